@@ -12,18 +12,21 @@ void Intrinsics::check() const {
   static constexpr int largest = 16384;
   const auto size = [](const char* name, int value) {
     if (value < 1 || value > largest)
-      throw InvalidSetting(fmt::format("intrinsics.{} is {}; it must lie between 1 and {} pixels", name, value, largest));
+      throw InvalidSetting(
+          fmt::format("intrinsics.{} is {}; it must lie between 1 and {} pixels", name, value, largest));
   };
   size("width", width);
   size("height", height);
   const auto focal = [](const char* name, double value) {
     if (!std::isfinite(value) || value <= 0.0)
-      throw InvalidSetting(fmt::format("intrinsics.{} is {}; a focal length must be finite and > 0 (pixels)", name, value));
+      throw InvalidSetting(
+          fmt::format("intrinsics.{} is {}; a focal length must be finite and > 0 (pixels)", name, value));
   };
   focal("fx", fx);
   focal("fy", fy);
   const auto centre = [](const char* name, double value) {
-    if (!std::isfinite(value)) throw InvalidSetting(fmt::format("intrinsics.{} is {}; it must be finite", name, value));
+    if (!std::isfinite(value))
+      throw InvalidSetting(fmt::format("intrinsics.{} is {}; it must be finite", name, value));
   };
   centre("cx", cx);
   centre("cy", cy);

@@ -17,7 +17,8 @@ struct Intrinsics {
   double cy = 0.0;  ///< pixels
 
   Window window() const { return {0, 0, width, height}; }
-  /// Throws InvalidSetting naming the field: size outside 1..16384, focal length not > 0, anything not finite.
+  /// Throws InvalidSetting naming the field: size outside 1..16384, focal length not > 0, anything not
+  /// finite.
   void check() const;
 };
 
@@ -27,8 +28,9 @@ struct Camera {
   Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
 };
 
-/// The slopes of the pixels' rays, in float: pixel (u, v) at depth z is the point (x[u] z, y[v] z, z) in the camera
-/// frame. Every point of a depth image is made by this one rule, so that counts agree everywhere to the bit.
+/// The slopes of the pixels' rays, in float: pixel (u, v) at depth z is the point (x[u] z, y[v] z, z) in the
+/// camera frame. Every point of a depth image is made by this one rule, so that counts agree everywhere to
+/// the bit.
 class RaySlopes {
  public:
   RaySlopes() = default;

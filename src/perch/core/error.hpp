@@ -5,8 +5,8 @@
 
 namespace perch {
 
-/// Input that can't be used: a file, a key, a value. The message is one line that names file, key, value and remedy.
-/// The command line prints it and exits with status 2.
+/// Input that can't be used: a file, a key, a value. The message is one line that names file, key, value and
+/// remedy. The command line prints it and exits with status 2.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

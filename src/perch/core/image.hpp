@@ -12,7 +12,9 @@ class Image {
  public:
   Image() = default;
   Image(int width, int height, T fill = T{})
-      : width_(width), height_(height), data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {}
+      : width_(width),
+        height_(height),
+        data_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill) {}
 
   int width() const { return width_; }
   int height() const { return height_; }

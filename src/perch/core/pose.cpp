@@ -22,7 +22,9 @@ double wrap_angle(double radians) {
   return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
 }
 
-double angle_difference(double a, double b, double period) { return std::abs(std::remainder(a - b, period)); }
+double angle_difference(double a, double b, double period) {
+  return std::abs(std::remainder(a - b, period));
+}
 
 Eigen::Isometry3d rigid_transform(const Eigen::Matrix4d& matrix, const char* what) {
   constexpr double tolerance = 1e-3;  // matrices are often written with few digits
@@ -32,8 +34,11 @@ Eigen::Isometry3d rigid_transform(const Eigen::Matrix4d& matrix, const char* wha
     fail(" is not a rigid transform: its last row must be 0 0 0 1");
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
   if ((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > tolerance)
-    fail(" is not a rigid transform: its rotation part is not orthonormal (scaled, sheared or rounded too much)");
-  if (rotation.determinant() < 0) fail(" is not a rigid transform: its rotation part is a reflection (det = -1)");
+    fail(
+        " is not a rigid transform: its rotation part is not orthonormal (scaled, sheared or rounded too "
+        "much)");
+  if (rotation.determinant() < 0)
+    fail(" is not a rigid transform: its rotation part is a reflection (det = -1)");
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
   transform.linear() = svd.matrixU() * svd.matrixV().transpose();

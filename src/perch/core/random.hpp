@@ -6,8 +6,8 @@
 
 namespace perch {
 
-/// SplitMix64 (Steele, Lea and Flood 2014): the same numbers on every machine and compiler, which the distributions of
-/// the standard library don't promise.
+/// SplitMix64 (Steele, Lea and Flood 2014): the same numbers on every machine and compiler, which the
+/// distributions of the standard library don't promise.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

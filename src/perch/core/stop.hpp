@@ -6,8 +6,8 @@
 
 namespace perch {
 
-/// When to give up: at a point in time, or when someone asks. Cheap enough to ask inside a batch. May be asked from any
-/// thread; once true it stays true.
+/// When to give up: at a point in time, or when someone asks. Cheap enough to ask inside a batch. May be
+/// asked from any thread; once true it stays true.
 class StopCondition {
  public:
   using Clock = std::chrono::steady_clock;
@@ -15,11 +15,13 @@ class StopCondition {
   StopCondition() = default;
   explicit StopCondition(Clock::time_point deadline) : deadline_(deadline) {}
   static StopCondition after(double seconds) {
-    return StopCondition(Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
+    return StopCondition(Clock::now() +
+                         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
   }
   StopCondition(const StopCondition&) = delete;
   StopCondition& operator=(const StopCondition&) = delete;
-  StopCondition(StopCondition&& other) noexcept : deadline_(other.deadline_), cancelled_(other.cancelled_.load()) {}
+  StopCondition(StopCondition&& other) noexcept
+      : deadline_(other.deadline_), cancelled_(other.cancelled_.load()) {}
 
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }

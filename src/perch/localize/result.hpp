@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "perch/core/pose.hpp"
+
+namespace perch {
+
+enum class Status { solved, time_limit, infeasible };
+
+/// The flat explanation cost of a scene and its parts, counts of points.
+struct CostRecord {
+  std::int64_t cost = 0;
+  std::int64_t cost_observed = 0;
+  std::int64_t cost_rendered = 0;
+};
+
+struct ResultPose {
+  std::string model;
+  Pose pose;
+};
+
+/// One object of the scene as reported.
+struct ObjectResult {
+  std::string model;
+  Pose pose;
+  Eigen::Isometry3d world_from_model = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
+  std::int64_t visible_pixels = 0;  ///< pixels at which this object is the nearest of the scene
+  double visible_fraction = 0.0;    ///< of the pixels that it would cover alone
+  double explained_fraction =
+      0.0;  ///< of its visible rendered points, those within delta of an observed point
+};
+
+/// What the bound ranges over.
+struct Guarantee {
+  double w = 3.0;
+  std::string over;
+  double resolution_m = 0.0;
+  double yaw_resolution_rad = 0.0;
+  std::int64_t candidates = 0;
+  std::string refine;
+  std::string search;
+};
+
+struct Seconds {
+  double total = 0.0, render = 0.0, refine = 0.0, cost = 0.0, search = 0.0;
+};
+
+struct Stats {
+  std::int64_t rendered = 0;  ///< hypotheses valued: distinct (model, grid pose, parent) triples
+  std::int64_t generated = 0;
+  std::int64_t expanded = 0;
+  int threads = 1;
+  int ranks = 1;
+  Seconds seconds;
+};
+
+/// The answer to one scene, as written to result.json.
+struct Result {
+  Status status = Status::infeasible;
+  std::string reason;  ///< one clause: why it stopped where it did, e.g. which object has no valid pose
+  std::optional<CostRecord> cost;  ///< of `objects`; empty without a scene
+  std::int64_t observed_points = 0;
+  std::optional<std::int64_t> search_cost;  ///< of `search_objects`
+  std::int64_t lower_bound = 0;
+  Guarantee guarantee;
+  std::vector<ResultPose> search_objects;
+  std::vector<ObjectResult> objects;
+  Stats stats;
+
+  /// search_cost / lower_bound; 1 for 0 / 0; empty where the bound is 0 and the cost is not, or without a
+  /// scene.
+  std::optional<double> suboptimality_bound() const;
+};
+
+/// What `score` says of one given scene.
+struct ScoreRecord {
+  CostRecord cost;
+  std::int64_t rendered_points = 0;
+  std::int64_t observed_points = 0;
+  bool monotone = false;
+  bool collides = false;
+};
+
+}  // namespace perch

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "perch/core/camera.hpp"
+#include "perch/core/image.hpp"
+#include "perch/core/pose.hpp"
+#include "perch/model/mesh.hpp"
+#include "perch/model/symmetry.hpp"
+
+namespace perch {
+
+/// Where object origins may lie, world metres; min < max in both.
+struct Workspace {
+  double x_min = 0.0, x_max = 0.0, y_min = 0.0, y_max = 0.0;
+};
+
+/// A model as a scene names it.
+struct SceneModel {
+  std::string name;
+  Mesh mesh;  ///< metres, stood on z = 0
+  Symmetry symmetry = Symmetry::none();
+  double base = 0.0;  ///< height of the lowest point above the support plane, metres
+};
+
+/// A model's pose in the scene; `model` counts into Scene::models.
+struct PlacedModel {
+  std::size_t model = 0;
+  Pose pose;
+};
+
+/// A ground-truth pose; the symmetry is for scoring only.
+struct TruthPose {
+  std::size_t model = 0;
+  Pose pose;
+  Symmetry symmetry = Symmetry::none();
+};
+
+struct Rgb {
+  std::uint8_t r = 0, g = 0, b = 0;
+  friend bool operator==(const Rgb&, const Rgb&) = default;
+};
+
+/// Everything that a localization starts from, as read and checked; metres and radians.
+struct Scene {
+  std::string name;  ///< for messages and folder names
+  Camera camera;
+  DepthImage depth;            ///< metres, 0 = no reading; size as in the intrinsics
+  double depth_scale = 0.001;  ///< metres per count of the input image; what rendered_depth.png is written in
+  std::optional<Image<std::uint8_t>> mask;  ///< non-zero: the pixel belongs to an object of interest
+  std::optional<Image<Rgb>> color;          ///< for pictures only
+  std::optional<double> table_height;       ///< world z of the support plane; estimated if absent
+  std::optional<Workspace> workspace;       ///< derived from the observed points if absent
+  std::vector<SceneModel> models;
+  std::vector<std::size_t> objects;  ///< the objects present, counting into models, repeats allowed
+  std::vector<TruthPose> truth;      ///< may be empty
+};
+
+}  // namespace perch
