@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "perch/model/mesh.hpp"
+
+namespace perch {
+
+/// How deep a point lies inside a mesh: a voxel field of the signed distance to the surface, in the model's
+/// frame. Positive inside; an open mesh has no inside. Distances are to points sampled on the surface, so
+/// every answer has a known error, and depth_lower_bound takes it off.
+class SolidVolume {
+ public:
+  SolidVolume() = default;
+  /// \param margin how far around the mesh the field reaches, metres.
+  SolidVolume(const Mesh& mesh, double margin);
+
+  /// True where the mesh is closed, so that it has an inside.
+  bool is_solid() const { return solid_; }
+
+  /// About the signed distance from p to the surface, metres, positive inside; -infinity outside the field.
+  float signed_distance(const Eigen::Vector3f& p) const;
+  /// Never more than how deep p lies inside the solid; -infinity where that is not known to be positive.
+  float depth_lower_bound(const Eigen::Vector3f& p) const;
+  /// The depth lies within [depth_lower_bound, depth_lower_bound + uncertainty()], for depths above
+  /// uncertainty().
+  float uncertainty() const { return 2.0F * (field_error_ + half_diagonal_); }
+
+  /// Points on the surface such that every surface point has one within sample_radius().
+  const std::vector<Eigen::Vector3f>& surface_samples() const { return samples_; }
+  float sample_radius() const { return sample_radius_; }
+  /// The deepest point's depth bound: objects shallower than a tolerance can't be entered beyond it.
+  float greatest_depth() const { return greatest_depth_; }
+
+ private:
+  std::size_t index(int i, int j, int k) const {
+    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size_.y()) + static_cast<std::size_t>(j)) *
+               static_cast<std::size_t>(size_.x()) +
+           static_cast<std::size_t>(i);
+  }
+  Eigen::Vector3f centre(int i, int j, int k) const {
+    return origin_ +
+           voxel_ * Eigen::Vector3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
+  }
+  bool find_voxel(const Eigen::Vector3f& p, std::size_t& voxel, float& distance) const;
+  void mark_inside(const Mesh& mesh, std::vector<char>& inside) const;
+
+  bool solid_ = false;
+  float voxel_ = 0.0F;
+  Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();  ///< centre of voxel (0, 0, 0)
+  Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
+  std::vector<float> field_;  ///< signed distance at the voxels' centres
+  float field_error_ = 0.0F;
+  float half_diagonal_ = 0.0F;
+  std::vector<Eigen::Vector3f> samples_;
+  float sample_radius_ = 0.0F;
+  float greatest_depth_ = 0.0F;
+};
+
+/// Points on the mesh's triangles such that every point of the surface has one within spacing / sqrt(3).
+std::vector<Eigen::Vector3f> sample_surface(const Mesh& mesh, float spacing);
+
+}  // namespace perch
