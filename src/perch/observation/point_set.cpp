@@ -1,0 +1,60 @@
+#include "perch/observation/point_set.hpp"
+
+#include <algorithm>
+
+// Counting bits has an instruction of its own on every recent processor; integers give the same result on all
+// paths.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define PERCH_POPCNT __attribute__((target_clones("default", "popcnt", "arch=x86-64-v4")))
+#else
+#define PERCH_POPCNT
+#endif
+
+namespace perch {
+namespace {
+
+PERCH_POPCNT std::size_t count_bits(const std::uint64_t* words, std::size_t n) {
+  std::size_t sum = 0;
+  for (std::size_t i = 0; i < n; ++i) sum += static_cast<std::size_t>(__builtin_popcountll(words[i]));
+  return sum;
+}
+
+PERCH_POPCNT std::size_t count_bits_not_in(const std::uint64_t* words, const std::uint64_t* other,
+                                           std::size_t n) {
+  std::size_t sum = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    sum += static_cast<std::size_t>(__builtin_popcountll(words[i] & ~other[i]));
+  return sum;
+}
+
+}  // namespace
+
+void PointSet::clear() {
+  std::fill(words_.begin(), words_.end(), 0);
+}
+
+std::size_t PointSet::count() const {
+  return count_bits(words_.data(), words_.size());
+}
+
+std::size_t PointSet::count_not_in(const PointSet& other) const {
+  return count_bits_not_in(words_.data(), other.words_.data() + first_, words_.size());
+}
+
+void PointSet::insert_all(const PointSet& other) {
+  for (std::size_t i = 0; i < other.words_.size(); ++i) words_[other.first_ + i] |= other.words_[i];
+}
+
+PointSet PointSet::trimmed() const {
+  const auto used = [](std::uint64_t word) { return word != 0; };
+  const auto begin = std::find_if(words_.begin(), words_.end(), used);
+  const auto end = std::find_if(words_.rbegin(), std::make_reverse_iterator(begin), used).base();
+  PointSet set;
+  set.words_.assign(begin, end);
+  set.first_ =
+      words_.empty() || begin == words_.end() ? 0 : first_ + static_cast<std::size_t>(begin - words_.begin());
+  return set;
+}
+
+}  // namespace perch

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace perch {
+
+/// A set of points of I, one bit a point; a candidate's set is stored from its first non-zero word to its
+/// last.
+class PointSet {
+ public:
+  PointSet() = default;
+  /// All points of I, none in the set.
+  explicit PointSet(std::size_t points) : words_((points + 63) / 64, 0) {}
+
+  /// Only on a set made for all points.
+  void insert(std::size_t i) { words_[i / 64] |= std::uint64_t{1} << (i % 64); }
+  void erase(std::size_t i) { words_[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
+  void clear();
+  bool contains(std::size_t i) const {
+    const std::size_t word = i / 64;
+    return word >= first_ && word - first_ < words_.size() && ((words_[word - first_] >> (i % 64)) & 1) != 0;
+  }
+
+  std::size_t count() const;
+  /// Points of this set that are not in `other`; `other` holds all points of I.
+  std::size_t count_not_in(const PointSet& other) const;
+  /// Adds the points of `other`; this set holds all points of I.
+  void insert_all(const PointSet& other);
+  /// The same set in as little memory as it needs.
+  PointSet trimmed() const;
+  std::size_t bytes() const { return words_.size() * sizeof(std::uint64_t); }
+
+ private:
+  std::size_t first_ = 0;
+  std::vector<std::uint64_t> words_;
+};
+
+}  // namespace perch

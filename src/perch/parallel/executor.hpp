@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+#include "perch/core/stop.hpp"
+
+namespace perch {
+
+/// Runs "evaluate this batch": the body once for every index of a batch. A body writes its result to the
+/// place of its index, so that what comes out doesn't depend on who ran it or when.
+class Executor {
+ public:
+  /// \param index place in the batch. \param worker which of the workers() runs it: for scratch memory of its
+  /// own.
+  using Body = std::function<void(std::size_t index, std::size_t worker)>;
+
+  virtual ~Executor() = default;
+  virtual std::size_t workers() const = 0;
+  /// True when the body has run for every index 0 .. n - 1; false when the stop condition, asked before each,
+  /// struck first.
+  virtual bool for_each(std::size_t n, const Body& body, const StopCondition& stop) const = 0;
+};
+
+/// One after the other, in index order.
+class SerialExecutor final : public Executor {
+ public:
+  std::size_t workers() const override { return 1; }
+  bool for_each(std::size_t n, const Body& body, const StopCondition& stop) const override;
+};
+
+/// On oneTBB's work-stealing threads.
+class ThreadExecutor final : public Executor {
+ public:
+  /// \param threads > 0.
+  explicit ThreadExecutor(std::size_t threads);
+  ~ThreadExecutor() override;
+  std::size_t workers() const override;
+  bool for_each(std::size_t n, const Body& body, const StopCondition& stop) const override;
+
+ private:
+  struct Arena;
+  std::unique_ptr<Arena> arena_;
+};
+
+/// A serial executor for one thread, else threads; 0 = as many as the machine has.
+std::unique_ptr<Executor> make_executor(std::size_t threads);
+
+}  // namespace perch
