@@ -1,0 +1,230 @@
+// Every count against brute force in O(n^2): all pairs of points, in float.
+
+#include "perch/cost/explanation_cost.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+
+#include "perch/core/random.hpp"
+
+namespace perch {
+namespace {
+
+struct BruteForce {
+  CostCounts counts;
+  std::int64_t points = 0;
+};
+
+/// Straight from the definition: R is the nearest surface of the patches, J counts points without a partner.
+BruteForce brute_force(const Observation& observation, const std::vector<DepthPatch>& patches, double delta,
+                       MissingDepth missing) {
+  const float delta_squared = static_cast<float>(delta) * static_cast<float>(delta);
+  std::vector<Eigen::Vector3f> rendered;
+  for (int v = 0; v < observation.intrinsics().height; ++v)
+    for (int u = 0; u < observation.intrinsics().width; ++u) {
+      float nearest = no_surface;
+      for (const DepthPatch& patch : patches) nearest = std::min(nearest, patch.at_or_none(u, v));
+      if (!(nearest < no_surface)) continue;
+      if (missing == MissingDepth::ignore && observation.state(u, v) == PixelState::unknown) continue;
+      rendered.push_back(observation.rays().point(u, v, nearest));
+    }
+  const auto unexplained = [&](const auto& cloud, const auto& by) {
+    std::int64_t count = 0;
+    for (const auto& p : cloud) {
+      bool found = false;
+      for (const auto& q : by) {
+        const float dx = p.x() - q.x(), dy = p.y() - q.y(), dz = p.z() - q.z();
+        found = found || dx * dx + dy * dy + dz * dz <= delta_squared;
+      }
+      count += !found;
+    }
+    return count;
+  };
+  return {{unexplained(observation.points(), rendered), unexplained(rendered, observation.points())},
+          static_cast<std::int64_t>(rendered.size())};
+}
+
+struct RandomScene {
+  Camera camera;
+  DepthImage depth;
+  std::optional<Image<std::uint8_t>> mask;
+  std::vector<DepthPatch> patches;
+  double delta;
+};
+
+DepthPatch random_patch(Random& random, const Intrinsics& k, double near, double spread, double holes) {
+  const int u0 = static_cast<int>(random.below(static_cast<std::uint64_t>(k.width)));
+  const int v0 = static_cast<int>(random.below(static_cast<std::uint64_t>(k.height)));
+  const int u1 = u0 + 1 + static_cast<int>(random.below(static_cast<std::uint64_t>(k.width - u0)));
+  const int v1 = v0 + 1 + static_cast<int>(random.below(static_cast<std::uint64_t>(k.height - v0)));
+  DepthPatch patch{{u0, v0, u1, v1}, {}};
+  const double slope_u = random.uniform(-0.01, 0.01), slope_v = random.uniform(-0.01, 0.01);
+  for (int v = v0; v < v1; ++v)
+    for (int u = u0; u < u1; ++u)
+      patch.depth.push_back(random.uniform() < holes
+                                ? no_surface
+                                : static_cast<float>(near + slope_u * (u - u0) + slope_v * (v - v0) +
+                                                     random.uniform(0, spread)));
+  for (float& z : patch.depth) z = std::max(z, 0.05F);
+  return patch;
+}
+
+RandomScene random_scene(std::uint64_t seed) {
+  Random random(seed);
+  RandomScene scene;
+  const int width = 1 + static_cast<int>(random.below(30)), height = 1 + static_cast<int>(random.below(24));
+  const double f = random.uniform(8, 120);
+  scene.camera.intrinsics = {
+      width, height, f, f * random.uniform(0.9, 1.1), width * random.uniform(-0.2, 1.2), height * 0.45};
+  const double near = random.uniform(0.2, 1.5),
+               spread = random.uniform() < 0.5 ? 0.0 : random.uniform(0.0, 0.2);
+  scene.delta = random.uniform(0.2, 3.0) * near / f;  // from less than a pixel to several
+  scene.depth = DepthImage(width, height);
+  for (std::size_t i = 0; i < scene.depth.size(); ++i)
+    if (random.uniform() < 0.7) scene.depth[i] = static_cast<float>(near + random.uniform(0, spread));
+  if (scene.depth.data() == std::vector<float>(scene.depth.size(), 0.0F))
+    scene.depth[0] = static_cast<float>(near);
+  if (random.uniform() < 0.5) {
+    scene.mask = Image<std::uint8_t>(width, height);
+    bool any = false;
+    for (std::size_t i = 0; i < scene.depth.size(); ++i) {
+      (*scene.mask)[i] = random.uniform() < 0.7;
+      any = any || ((*scene.mask)[i] && scene.depth[i] > 0);
+    }
+    if (!any) scene.mask.reset();
+  }
+  const std::size_t n = 1 + random.below(4);
+  for (std::size_t i = 0; i < n; ++i)
+    scene.patches.push_back(random_patch(random, scene.camera.intrinsics,
+                                         near + random.uniform(-1, 1) * scene.delta * 2,
+                                         spread * random.uniform(), random.uniform(0, 0.5)));
+  return scene;
+}
+
+TEST(ExplanationCost, EqualsBruteForceOnRandomScenes) {
+  const SerialExecutor executor;
+  for (std::uint64_t seed = 1; seed <= 600; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const RandomScene scene = random_scene(seed);
+    const Observation observation(scene.camera, scene.depth, scene.mask);
+    const DeltaIndex index(observation, scene.delta, executor);
+    for (const MissingDepth missing : {MissingDepth::unexplained, MissingDepth::ignore}) {
+      const ExplanationCost cost(observation, index, missing);
+      Composite composite = cost.empty();
+      CostChange scratch;
+      std::vector<DepthPatch> placed;
+      for (const DepthPatch& patch : scene.patches) {
+        placed.push_back(patch);
+        const BruteForce expected = brute_force(observation, placed, scene.delta, missing);
+        ASSERT_EQ(cost.counts_with(composite, patch, scratch), expected.counts);
+        cost.add(composite, patch, scratch);
+        ASSERT_EQ(cost.counts(composite), expected.counts);
+        ASSERT_EQ(composite.points, expected.points);
+        ASSERT_EQ(static_cast<std::int64_t>(composite.observed.count()), composite.observed_count);
+      }
+    }
+  }
+}
+
+// Depths and delta with few bits: many pairs then lie at exactly delta, and rounding plays no part.
+TEST(ExplanationCost, CountsPointsAtExactlyDelta) {
+  const SerialExecutor executor;
+  int at_delta = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    Camera camera;
+    camera.intrinsics = {12, 9, 64, 64, 4, 4};  // slopes are multiples of 1/64
+    const double delta = static_cast<double>(1 + random.below(3)) / 64.0;
+    const auto depth = [&] { return static_cast<float>(1.0 + static_cast<double>(random.below(3)) / 64.0); };
+    DepthImage image(12, 9);
+    for (std::size_t i = 0; i < image.size(); ++i)
+      if (random.uniform() < 0.4) image[i] = depth();
+    image[0] = 1.0F;
+    const Observation observation(camera, image, std::nullopt);
+    DepthPatch patch{{0, 0, 12, 9}, {}};
+    for (int i = 0; i < 12 * 9; ++i) patch.depth.push_back(random.uniform() < 0.3 ? depth() : no_surface);
+    for (const auto& p : observation.points())
+      for (int v = 0; v < 9; ++v)
+        for (int u = 0; u < 12; ++u)
+          if (patch.at(u, v) < no_surface)
+            at_delta +=
+                (p - observation.rays().point(u, v, patch.at(u, v))).norm() == static_cast<float>(delta);
+    const DeltaIndex index(observation, delta, executor);
+    const ExplanationCost cost(observation, index, MissingDepth::unexplained);
+    CostChange scratch;
+    EXPECT_EQ(cost.counts_with(cost.empty(), patch, scratch),
+              brute_force(observation, {patch}, delta, MissingDepth::unexplained).counts);
+  }
+  EXPECT_GT(at_delta, 1000);
+}
+
+TEST(ExplanationCost, TellsUnknownFromFree) {
+  Camera camera;
+  camera.intrinsics = {3, 1, 100, 100, 1, 0};
+  DepthImage image(3, 1);
+  image(0, 0) = 1.0F;  // an object's
+  image(1, 0) = 1.5F;  // masked out: background
+  Image<std::uint8_t> mask(3, 1, 1);
+  mask(1, 0) = 0;  // (2, 0) has no reading
+  const Observation observation(camera, image, mask);
+  EXPECT_EQ(observation.state(0, 0), PixelState::object);
+  EXPECT_EQ(observation.state(1, 0), PixelState::free);
+  EXPECT_EQ(observation.state(2, 0), PixelState::unknown);
+  const SerialExecutor executor;
+  const DeltaIndex index(observation, 0.001, executor);
+  const DepthPatch patch{{0, 0, 3, 1}, {1.0F, 1.0F, 1.0F}};
+  CostChange scratch;
+  const ExplanationCost formula(observation, index, MissingDepth::unexplained);
+  EXPECT_EQ(formula.counts_with(formula.empty(), patch, scratch), (CostCounts{0, 2}));
+  const ExplanationCost ignore(observation, index, MissingDepth::ignore);
+  EXPECT_EQ(ignore.counts_with(ignore.empty(), patch, scratch), (CostCounts{0, 1}));
+}
+
+TEST(DeltaIndex, ARangeIsUnexplainedOnlyIfEveryDepthInItIs) {
+  const SerialExecutor executor;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const RandomScene scene = random_scene(seed);
+    const Observation observation(scene.camera, scene.depth, scene.mask);
+    const DeltaIndex index(observation, scene.delta, executor);
+    Random random(seed + 1000);
+    for (int i = 0; i < 50; ++i) {
+      const int u = static_cast<int>(random.below(static_cast<std::uint64_t>(scene.depth.width())));
+      const int v = static_cast<int>(random.below(static_cast<std::uint64_t>(scene.depth.height())));
+      const float z = static_cast<float>(random.uniform(0.1, 1.8)),
+                  reach = static_cast<float>(random.uniform(0, 0.1));
+      if (!index.unexplained_throughout(u, v, z, reach)) continue;
+      for (int k = 0; k <= 20; ++k) {
+        const float depth = z - reach * static_cast<float>(k) / 20.0F;
+        ASSERT_FALSE(depth > 0 && index.explained(u, v, depth));
+      }
+    }
+  }
+}
+
+TEST(BallWindow, HoldsEveryPixelThatSeesTheBall) {
+  const Intrinsics k{64, 48, 50, 55, 31.5, 20};
+  const RaySlopes rays(k);
+  Random random(3);
+  for (int i = 0; i < 300; ++i) {
+    const double delta = random.uniform(0.001, 0.05);
+    const Eigen::Vector3f p =
+        rays.point(static_cast<int>(random.below(64)), static_cast<int>(random.below(48)),
+                   static_cast<float>(random.uniform(0.02, 1.0)));
+    const Window window = ball_window(k, p, delta);
+    for (int v = 0; v < 48; ++v)
+      for (int u = 0; u < 64; ++u) {
+        const Eigen::Vector3d d(rays.x(u), rays.y(v), 1.0), c = p.cast<double>();
+        const double along = std::max(0.0, d.dot(c) / d.squaredNorm());
+        if ((along * d - c).norm() <= delta) {
+          ASSERT_TRUE(window.contains(u, v)) << "point " << p.transpose() << " pixel " << u << ' ' << v;
+        }
+      }
+  }
+}
+
+}  // namespace
+}  // namespace perch
