@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "perch/candidates/grid.hpp"
 #include "perch/core/camera.hpp"
 #include "perch/core/image.hpp"
 #include "perch/core/pose.hpp"
@@ -12,11 +13,6 @@
 #include "perch/model/symmetry.hpp"
 
 namespace perch {
-
-/// Where object origins may lie, world metres; min < max in both.
-struct Workspace {
-  double x_min = 0.0, x_max = 0.0, y_min = 0.0, y_max = 0.0;
-};
 
 /// A model as a scene names it.
 struct SceneModel {

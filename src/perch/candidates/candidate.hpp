@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+#include "perch/core/pose.hpp"
+#include "perch/observation/point_set.hpp"
+#include "perch/render/depth_patch.hpp"
+
+namespace perch {
+
+/// One object at one pose, valued as if it stood alone. Occlusion by others only removes rendered points, so
+/// in any scene it explains no point of I outside `explained`.
+struct Candidate {
+  std::size_t model = 0;
+  Pose pose;  ///< after refinement; yaw canonical for the model's symmetry
+
+  Window window;                     ///< of its rendering
+  PointSet explained;                ///< E(c): points of I within delta of its rendered points
+  std::int64_t explained_count = 0;  ///< |E(c)|
+  std::int64_t points = 0;           ///< its rendered points (those that count)
+  std::int64_t unexplained = 0;      ///< of these, unexplained by I
+  std::int64_t exposed = 0;          ///< of those, the ones that no nearer observed point could be hiding
+
+  PointSet enclosed;  ///< points of I so deep in its solid that nothing beside it can explain them
+  PointSet reached;   ///< points of I in its solid dilated by delta
+
+  /// Its rendering; kept only where it explains something, to save memory. See CandidateMaker::patch.
+  DepthPatch patch;
+};
+
+}  // namespace perch

@@ -1,0 +1,116 @@
+#include "perch/candidates/candidate_maker.hpp"
+
+#include <algorithm>
+
+#include "perch/core/stopwatch.hpp"
+
+namespace perch {
+
+CandidateMaker::CandidateMaker(const LocalizationProblem& problem)
+    : problem_(problem),
+      rasterizer_(problem.observation().intrinsics()),
+      all_points_(problem.observation().size()),
+      nothing_(problem.cost().empty()) {}
+
+void CandidateMaker::render(std::size_t model, const Pose& pose) {
+  const Stopwatch watch;
+  rasterizer_.render(problem_.models()[model].mesh(), problem_.camera_from_model(model, pose), patch_);
+  seconds_.render += watch.seconds();
+}
+
+std::optional<Candidate> CandidateMaker::make(std::size_t model, const Pose& grid_pose,
+                                              const DepthPatch* in_front) {
+  render(model, grid_pose);
+  if (patch_.covered() == 0) return std::nullopt;
+  Pose pose = grid_pose;
+  if (problem_.nearest() != nullptr) pose = refine(model, grid_pose, in_front);
+  if (patch_.covered() == 0) return std::nullopt;
+  return value_rendered(model, pose);
+}
+
+std::optional<Candidate> CandidateMaker::value(std::size_t model, const Pose& pose) {
+  render(model, pose);
+  if (patch_.covered() == 0) return std::nullopt;
+  return value_rendered(model, pose);
+}
+
+Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front) {
+  const CandidateSettings& settings = problem_.settings();
+  const Workspace& workspace = problem_.workspace(model);
+  const Symmetry& symmetry = problem_.models()[model].symmetry();
+  Pose pose = grid_pose;
+  for (int round = 0; round < settings.refine.rounds; ++round) {
+    const Stopwatch watch;
+    sample_patch(patch_, in_front, problem_.observation(), settings.refine, samples_);
+    Pose moved = align(samples_, pose, symmetry.is_continuous(), *problem_.nearest(), settings.icp_reach(),
+                       settings.refine);
+    moved.x = std::clamp(moved.x, workspace.x_min, workspace.x_max);
+    moved.y = std::clamp(moved.y, workspace.y_min, workspace.y_max);
+    moved.yaw = symmetry.canonical_yaw(moved.yaw);
+    seconds_.refine += watch.seconds();
+    if (moved == pose) break;
+    pose = moved;
+    render(model, pose);
+  }
+  return pose;
+}
+
+Candidate CandidateMaker::value_rendered(std::size_t model, const Pose& pose) {
+  const Stopwatch watch;
+  const Observation& observation = problem_.observation();
+  problem_.cost().change(nothing_, patch_, change_);
+  Candidate candidate;
+  candidate.model = model;
+  candidate.pose = pose;
+  candidate.window = patch_.window;
+  candidate.points = change_.points;
+  candidate.unexplained = change_.unexplained;
+  candidate.explained_count = static_cast<std::int64_t>(change_.gained.size());
+  for (const std::uint32_t i : change_.gained) all_points_.insert(i);
+  candidate.explained = all_points_.trimmed();
+  for (const std::uint32_t i : change_.gained) all_points_.erase(i);
+
+  const float delta = static_cast<float>(problem_.settings().cost.delta);
+  for (int v = patch_.window.v0; v < patch_.window.v1; ++v)
+    for (int u = patch_.window.u0; u < patch_.window.u1; ++u) {
+      const float z = patch_.at(u, v);
+      if (!(z < no_surface) || change_.appears.contains(u, v) || !problem_.cost().counts_at(u, v)) continue;
+      const float observed = observation.depth(u, v);
+      candidate.exposed += !(observed > 0.0F && observed < z - delta);
+    }
+  if (candidate.explained_count > 0) candidate.patch = patch_;
+  seconds_.cost += watch.seconds();
+  return candidate;
+}
+
+void CandidateMaker::add_volumes(Candidate& candidate) const {
+  const Observation& observation = problem_.observation();
+  const SolidVolume& solid = problem_.models()[candidate.model].solid();
+  const Eigen::Isometry3f model_from_camera =
+      problem_.camera_from_model(candidate.model, candidate.pose).inverse().cast<float>();
+  const float delta = static_cast<float>(problem_.settings().cost.delta);
+  const float enclosing = problem_.enclosing_depth(candidate.model);
+  PointSet enclosed(observation.size()), reached(observation.size());
+  // A point within delta of the solid is seen this near to the solid's image.
+  const int margin = problem_.cost().index().reach() + 2;
+  const Window& window = candidate.window;
+  const int last_row = std::min(observation.intrinsics().height, window.v1 + margin);
+  for (int v = std::max(0, window.v0 - margin); v < last_row; ++v)
+    for (std::size_t i = observation.row_begin(v); i < observation.row_begin(v + 1); ++i) {
+      if (observation.column(i) < window.u0 - margin || observation.column(i) >= window.u1 + margin) continue;
+      const Eigen::Vector3f p = model_from_camera * observation.points()[i];
+      if (solid.signed_distance(p) < -delta) continue;
+      reached.insert(i);
+      if (solid.depth_lower_bound(p) > enclosing) enclosed.insert(i);
+    }
+  candidate.reached = reached.trimmed();
+  candidate.enclosed = enclosed.trimmed();
+}
+
+const DepthPatch& CandidateMaker::patch(const Candidate& candidate) {
+  if (!candidate.patch.window.empty()) return candidate.patch;
+  render(candidate.model, candidate.pose);
+  return patch_;
+}
+
+}  // namespace perch

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "perch/candidates/candidate.hpp"
+#include "perch/candidates/problem.hpp"
+#include "perch/render/rasterizer.hpp"
+
+namespace perch {
+
+/// Core seconds spent in the parts of valuing hypotheses.
+struct StageSeconds {
+  double render = 0.0, refine = 0.0, cost = 0.0;
+
+  StageSeconds& operator+=(const StageSeconds& other) {
+    render += other.render;
+    refine += other.refine;
+    cost += other.cost;
+    return *this;
+  }
+};
+
+/// Makes candidates: renders, refines, values. Holds scratch memory: one maker a thread.
+class CandidateMaker {
+ public:
+  explicit CandidateMaker(const LocalizationProblem& problem);
+
+  /// The candidate that grows from a grid pose: refined (if at all) with `in_front`, the parent scene, hiding
+  /// part of it; then valued alone. Empty where no pixel of the object is in view.
+  std::optional<Candidate> make(std::size_t model, const Pose& grid_pose,
+                                const DepthPatch* in_front = nullptr);
+  /// Values an object at a pose as it is; empty where no pixel is in view.
+  std::optional<Candidate> value(std::size_t model, const Pose& pose);
+  /// Fills in `enclosed` and `reached`.
+  void add_volumes(Candidate& candidate) const;
+  /// The candidate's rendering: the one it keeps, or a new one, which holds until the next call.
+  const DepthPatch& patch(const Candidate& candidate);
+
+  CostChange& scratch() { return change_; }
+  const StageSeconds& seconds() const { return seconds_; }
+
+ private:
+  void render(std::size_t model, const Pose& pose);
+  Pose refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front);
+  Candidate value_rendered(std::size_t model, const Pose& pose);
+
+  const LocalizationProblem& problem_;
+  Rasterizer rasterizer_;
+  DepthPatch patch_;
+  CostChange change_;
+  PointSet all_points_;
+  Composite nothing_;
+  std::vector<SurfaceSample> samples_;
+  StageSeconds seconds_;
+};
+
+}  // namespace perch

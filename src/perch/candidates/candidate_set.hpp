@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <vector>
+
+#include "perch/candidates/candidate.hpp"
+#include "perch/candidates/candidate_maker.hpp"
+#include "perch/candidates/problem.hpp"
+
+namespace perch {
+
+using CandidateId = std::uint32_t;
+
+/// Candidates by number. Two with the same model and the same refined pose, to the bit, are one.
+class CandidateSet {
+ public:
+  explicit CandidateSet(std::size_t models) : of_model_(models) {}
+
+  CandidateId add(Candidate candidate);
+  std::size_t size() const { return candidates_.size(); }
+  const Candidate& operator[](CandidateId id) const { return candidates_[id]; }
+  Candidate& operator[](CandidateId id) { return candidates_[id]; }
+  /// The candidates of a model, by number.
+  const std::vector<CandidateId>& of_model(std::size_t model) const { return of_model_[model]; }
+  /// Memory held by sets of points and patches, bytes.
+  std::size_t bytes() const;
+
+ private:
+  std::deque<Candidate> candidates_;
+  std::vector<std::vector<CandidateId>> of_model_;
+  std::map<std::tuple<std::size_t, double, double, double>, CandidateId> numbers_;
+};
+
+/// One maker for each worker of an executor.
+std::vector<CandidateMaker> make_makers(const LocalizationProblem& problem, const Executor& executor);
+
+/// The fixed set: every (model, grid pose) refined once, alone.
+struct FixedCandidates {
+  CandidateSet set;
+  std::int64_t hypotheses = 0;  ///< grid poses valued
+  bool complete = true;         ///< false where the stop condition struck first
+};
+
+/// Makes the fixed set; candidates are numbered in the order of models and grid poses, whatever the executor.
+FixedCandidates make_fixed_candidates(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
+                                      const Executor& executor, const StopCondition& stop);
+
+}  // namespace perch

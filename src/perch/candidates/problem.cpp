@@ -1,0 +1,83 @@
+#include "perch/candidates/problem.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "perch/core/error.hpp"
+#include "perch/model/collision.hpp"
+
+namespace perch {
+namespace {
+
+Eigen::AlignedBox2d footprint(const Observation& observation) {
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector3f& p : observation.points())
+    box.extend((observation.camera().world_from_camera * p.cast<double>()).head<2>());
+  return box;
+}
+
+}  // namespace
+
+void CollisionSettings::check() const {
+  if (!(penetration >= 0.0 && penetration <= 1.0))
+    throw InvalidSetting(
+        fmt::format("collision.penetration is {}; it must lie between 0 and 1 metre", penetration));
+}
+
+void CandidateSettings::check() const {
+  grid.check();
+  cost.check();
+  refine.check();
+  collision.check();
+}
+
+LocalizationProblem::LocalizationProblem(Observation observation, std::vector<ObjectModel> models,
+                                         std::vector<std::size_t> objects,
+                                         const std::optional<Workspace>& workspace,
+                                         const CandidateSettings& settings, const Executor& executor)
+    : settings_((settings.check(), settings)),
+      observation_(std::move(observation)),
+      index_(observation_, settings.cost.delta, executor),
+      cost_(observation_, index_, settings.cost.missing_depth),
+      models_(std::move(models)),
+      objects_(std::move(objects)),
+      copies_(models_.size(), 0),
+      camera_from_world_(observation_.camera().world_from_camera.inverse()) {
+  for (const std::size_t model : objects_) ++copies_[model];
+
+  const Eigen::AlignedBox2d seen = footprint(observation_);
+  double poses = 0.0;
+  for (std::size_t m = 0; m < models_.size(); ++m) {
+    const double r = models_[m].radius();
+    workspaces_.push_back(workspace.value_or(
+        Workspace{seen.min().x() - r, seen.max().x() + r, seen.min().y() - r, seen.max().y() + r}));
+    grids_.emplace_back(workspaces_.back(), settings_.grid, models_[m].symmetry());
+    if (copies_[m] > 0) poses += grids_.back().size();
+  }
+  if (poses > static_cast<double>(settings_.grid.max_poses))
+    throw InputError(
+        fmt::format("the grid has {:.0f} poses, more than memory allows ({}, grid.max_poses); use larger "
+                    "--resolution (now {} m) or "
+                    "--yaw-resolution-deg, or a smaller workspace",
+                    poses, settings_.grid.max_poses, settings_.grid.resolution));
+
+  if (settings_.refine.method == RefineMethod::icp)
+    nearest_.emplace(observation_, settings_.icp_reach(), executor);
+
+  float sample_radius = 0.0F;
+  for (const ObjectModel& model : models_)
+    sample_radius = std::max(sample_radius, model.solid().sample_radius());
+  constexpr float rounding = 1e-4F;  // rendered points lie on the surface up to this
+  for (const ObjectModel& model : models_)
+    enclosing_depth_.push_back(static_cast<float>(settings_.cost.delta + settings_.collision.penetration) +
+                               sample_radius + model.solid().uncertainty() + rounding);
+}
+
+bool LocalizationProblem::collide(std::size_t model_a, const Pose& pose_a, std::size_t model_b,
+                                  const Pose& pose_b) const {
+  return collides(models_[model_a], pose_a, models_[model_b], pose_b, settings_.collision.penetration);
+}
+
+}  // namespace perch

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "perch/candidates/grid.hpp"
+#include "perch/cost/explanation_cost.hpp"
+#include "perch/model/object_model.hpp"
+#include "perch/observation/nearest_table.hpp"
+#include "perch/parallel/executor.hpp"
+#include "perch/refine/icp.hpp"
+
+namespace perch {
+
+struct CollisionSettings {
+  /// Objects may enter each other by this much, metres: noise and thinned meshes make touching objects
+  /// overlap.
+  double penetration = 0.005;
+
+  /// Throws InvalidSetting naming the field and the value.
+  void check() const;
+};
+
+struct CandidateSettings {
+  GridSettings grid;
+  CostSettings cost;
+  RefineSettings refine;
+  CollisionSettings collision;
+
+  void check() const;
+  /// Farthest correspondence of ICP, metres.
+  double icp_reach() const { return refine.reach.value_or(0.5 * grid.resolution); }
+};
+
+/// One localization problem made ready to be searched: what was observed, the models, which are present, and
+/// the look-up structures over I. Immutable and shared by all threads.
+class LocalizationProblem {
+ public:
+  /// \param objects the models present, counting into `models`; repeats allowed, at least one.
+  /// \param workspace derived from I for each model where not given: the bounds of I widened by the model's
+  /// radius. Throws InputError where the grid has more poses than memory allows, InvalidSetting for a bad
+  /// setting.
+  LocalizationProblem(Observation observation, std::vector<ObjectModel> models,
+                      std::vector<std::size_t> objects, const std::optional<Workspace>& workspace,
+                      const CandidateSettings& settings, const Executor& executor);
+  LocalizationProblem(const LocalizationProblem&) = delete;
+  LocalizationProblem& operator=(const LocalizationProblem&) = delete;
+
+  const CandidateSettings& settings() const { return settings_; }
+  const Observation& observation() const { return observation_; }
+  const ExplanationCost& cost() const { return cost_; }
+  /// Empty where nothing is refined.
+  const NearestTable* nearest() const { return nearest_ ? &*nearest_ : nullptr; }
+  const std::vector<ObjectModel>& models() const { return models_; }
+  const std::vector<std::size_t>& objects() const { return objects_; }
+  /// K, the number of objects.
+  std::size_t object_count() const { return objects_.size(); }
+  /// k_m: how many copies of each model are present.
+  const std::vector<int>& copies() const { return copies_; }
+
+  const PoseGrid& grid(std::size_t model) const { return grids_[model]; }
+  const Workspace& workspace(std::size_t model) const { return workspaces_[model]; }
+  Eigen::Isometry3d camera_from_model(std::size_t model, const Pose& pose) const {
+    return camera_from_world_ * models_[model].world_from_model(pose);
+  }
+  /// Points of I this deep in a model's solid (by its depth_lower_bound) can't be explained by any object
+  /// that does not collide with it: its surface within delta of such a point would be too deep. Metres.
+  float enclosing_depth(std::size_t model) const { return enclosing_depth_[model]; }
+  bool collide(std::size_t model_a, const Pose& pose_a, std::size_t model_b, const Pose& pose_b) const;
+
+ private:
+  CandidateSettings settings_;
+  Observation observation_;
+  DeltaIndex index_;
+  ExplanationCost cost_;
+  std::optional<NearestTable> nearest_;
+  std::vector<ObjectModel> models_;
+  std::vector<std::size_t> objects_;
+  std::vector<int> copies_;
+  std::vector<Workspace> workspaces_;
+  std::vector<PoseGrid> grids_;
+  std::vector<float> enclosing_depth_;
+  Eigen::Isometry3d camera_from_world_;
+};
+
+}  // namespace perch

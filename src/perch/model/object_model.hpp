@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+
+#include "perch/core/pose.hpp"
+#include "perch/model/mesh.hpp"
+#include "perch/model/solid_volume.hpp"
+#include "perch/model/symmetry.hpp"
+
+namespace perch {
+
+/// A model as the method uses it: its surface, its solid, and how high its origin stands in the world.
+class ObjectModel {
+ public:
+  /// \param mesh stood on z = 0, metres, without mesh_fault. \param origin_z world height of the mesh's z =
+  /// 0. \param margin how far around the surface the solid's distance field must reach, metres.
+  ObjectModel(std::string name, Mesh mesh, Symmetry symmetry, double origin_z, double margin);
+
+  const std::string& name() const { return name_; }
+  const Mesh& mesh() const { return mesh_; }
+  const Symmetry& symmetry() const { return symmetry_; }
+  const SolidVolume& solid() const { return solid_; }
+  double origin_z() const { return origin_z_; }
+  /// Farthest surface point from the model's z axis, metres.
+  double radius() const { return radius_; }
+  double height() const { return height_; }
+
+  Eigen::Isometry3d world_from_model(const Pose& pose) const {
+    return perch::world_from_model(pose, origin_z_);
+  }
+
+ private:
+  std::string name_;
+  Mesh mesh_;
+  Symmetry symmetry_;
+  double origin_z_;
+  double radius_ = 0.0, height_ = 0.0;
+  SolidVolume solid_;
+};
+
+}  // namespace perch
