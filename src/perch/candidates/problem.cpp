@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "perch/core/error.hpp"
-#include "perch/model/collision.hpp"
 
 namespace perch {
 namespace {
@@ -19,12 +18,6 @@ Eigen::AlignedBox2d footprint(const Observation& observation) {
 }
 
 }  // namespace
-
-void CollisionSettings::check() const {
-  if (!(penetration >= 0.0 && penetration <= 1.0))
-    throw InvalidSetting(
-        fmt::format("collision.penetration is {}; it must lie between 0 and 1 metre", penetration));
-}
 
 void CandidateSettings::check() const {
   grid.check();
@@ -77,7 +70,7 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
 
 bool LocalizationProblem::collide(std::size_t model_a, const Pose& pose_a, std::size_t model_b,
                                   const Pose& pose_b) const {
-  return collides(models_[model_a], pose_a, models_[model_b], pose_b, settings_.collision.penetration);
+  return collides(models_[model_a], pose_a, models_[model_b], pose_b, settings_.collision);
 }
 
 }  // namespace perch

@@ -7,21 +7,13 @@
 
 #include "perch/candidates/grid.hpp"
 #include "perch/cost/explanation_cost.hpp"
+#include "perch/model/collision.hpp"
 #include "perch/model/object_model.hpp"
 #include "perch/observation/nearest_table.hpp"
 #include "perch/parallel/executor.hpp"
 #include "perch/refine/icp.hpp"
 
 namespace perch {
-
-struct CollisionSettings {
-  /// Objects may enter each other by this much, metres: noise and thinned meshes make touching objects
-  /// overlap.
-  double penetration = 0.005;
-
-  /// Throws InvalidSetting naming the field and the value.
-  void check() const;
-};
 
 struct CandidateSettings {
   GridSettings grid;

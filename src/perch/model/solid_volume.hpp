@@ -30,6 +30,8 @@ class SolidVolume {
   /// Points on the surface such that every surface point has one within sample_radius().
   const std::vector<Eigen::Vector3f>& surface_samples() const { return samples_; }
   float sample_radius() const { return sample_radius_; }
+  /// Points spread evenly through the inside, a few thousand at most; none for an open mesh.
+  const std::vector<Eigen::Vector3f>& interior_samples() const { return interior_; }
   /// The deepest point's depth bound: objects shallower than a tolerance can't be entered beyond it.
   float greatest_depth() const { return greatest_depth_; }
 
@@ -44,6 +46,7 @@ class SolidVolume {
            voxel_ * Eigen::Vector3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
   }
   bool find_voxel(const Eigen::Vector3f& p, std::size_t& voxel, float& distance) const;
+  void sample_interior(const std::vector<char>& inside);
   void mark_inside(const Mesh& mesh, std::vector<char>& inside) const;
 
   bool solid_ = false;
@@ -55,6 +58,7 @@ class SolidVolume {
   float half_diagonal_ = 0.0F;
   std::vector<Eigen::Vector3f> samples_;
   float sample_radius_ = 0.0F;
+  std::vector<Eigen::Vector3f> interior_;
   float greatest_depth_ = 0.0F;
 };
 

@@ -1,0 +1,215 @@
+#include "perch/tree/scene_tree.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace perch {
+
+SceneTree::SceneTree(const LocalizationProblem& problem, CandidateSet& set,
+                     std::vector<CandidateMaker>& makers, const Executor& executor,
+                     const MonotoneSettings& settings, bool in_context)
+    : problem_(problem),
+      set_(set),
+      makers_(makers),
+      executor_(executor),
+      settings_(settings),
+      in_context_(in_context) {
+  settings_.check();
+  if (!in_context) bound_.emplace(set, problem.models().size());
+}
+
+SceneTree SceneTree::fixed(const LocalizationProblem& problem, CandidateSet& set,
+                           std::vector<CandidateMaker>& makers, const Executor& executor,
+                           const MonotoneSettings& settings) {
+  return SceneTree(problem, set, makers, executor, settings, false);
+}
+
+SceneTree SceneTree::in_context(const LocalizationProblem& problem, CandidateSet& set,
+                                std::vector<CandidateMaker>& makers, const Executor& executor,
+                                const MonotoneSettings& settings) {
+  return SceneTree(problem, set, makers, executor, settings, true);
+}
+
+SceneTree::State SceneTree::root() const {
+  State root;
+  if (bound_) {
+    const PointSet nothing(problem_.observation().size());
+    root.bound =
+        (*bound_)(nothing, static_cast<std::int64_t>(problem_.observation().size()), problem_.copies());
+  }
+  return root;
+}
+
+SceneTree::Parent SceneTree::make_parent(const State& state) const {
+  const Observation& observation = problem_.observation();
+  Parent parent{problem_.cost().empty(),
+                PointSet(observation.size()),
+                PointSet(observation.size()),
+                problem_.copies(),
+                {},
+                0,
+                0};
+  CandidateMaker& maker = makers_.front();
+  for (const CandidateId id : state.placed) {
+    const Candidate& candidate = set_[id];
+    problem_.cost().add(parent.composite, maker.patch(candidate), maker.scratch());
+    parent.covered.insert_all(candidate.explained);
+    parent.enclosed.insert_all(candidate.enclosed);
+    --parent.remaining[candidate.model];
+  }
+  parent.left_after = static_cast<int>(problem_.object_count() - state.placed.size()) - 1;
+  const DepthPatch& depth = parent.composite.depth;
+  const float reach = static_cast<float>(parent.left_after * settings_.depth_tolerance);
+  parent.charged.assign(depth.depth.size(), 0);
+  for (int v = depth.window.v0; v < depth.window.v1; ++v)
+    for (int u = depth.window.u0; u < depth.window.u1; ++u) {
+      const float z = depth.at(u, v);
+      if (!(z < no_surface) || !problem_.cost().index().unexplained_throughout(u, v, z, reach)) continue;
+      parent.charged[depth.index(u, v)] = 1;
+      ++parent.charged_count;
+    }
+  return parent;
+}
+
+std::vector<SceneTree::Hypothesis> SceneTree::hypotheses_of(const Parent& parent) const {
+  std::vector<Hypothesis> hypotheses;
+  for (std::size_t model = 0; model < parent.remaining.size(); ++model) {
+    if (parent.remaining[model] == 0) continue;
+    if (in_context_) {
+      const auto poses = static_cast<std::int64_t>(problem_.grid(model).size());
+      for (std::int64_t i = 0; i < poses; ++i) hypotheses.push_back({model, 0, i});
+    } else {
+      for (const CandidateId id : set_.of_model(model)) hypotheses.push_back({model, id, 0});
+    }
+  }
+  return hypotheses;
+}
+
+bool SceneTree::add_volumes(const StopCondition& stop) {
+  const std::size_t first = with_volumes_;
+  const bool complete = executor_.for_each(
+      set_.size() - first,
+      [&](std::size_t i, std::size_t worker) {
+        makers_[worker].add_volumes(set_[static_cast<CandidateId>(first + i)]);
+      },
+      stop);
+  if (complete) with_volumes_ = set_.size();
+  return complete;
+}
+
+Expansion<SceneState> SceneTree::expand(const State& state, const StopCondition& stop) {
+  Expansion<State> expansion;
+  if (!add_volumes(stop)) return {{}, false};
+  const Parent parent = make_parent(state);
+  const std::vector<Hypothesis> hypotheses = hypotheses_of(parent);
+  std::vector<Child> children(hypotheses.size());
+  expansion.complete = executor_.for_each(
+      hypotheses.size(),
+      [&](std::size_t i, std::size_t worker) {
+        CandidateMaker& maker = makers_[worker];
+        const Hypothesis& hypothesis = hypotheses[i];
+        if (!in_context_) {
+          children[i].id = hypothesis.id;
+          value(state, parent, set_[hypothesis.id], maker, children[i]);
+          return;
+        }
+        std::optional<Candidate>& made = children[i].made;
+        made = maker.make(hypothesis.model, problem_.grid(hypothesis.model).pose(hypothesis.grid),
+                          &parent.composite.depth);
+        if (!made) return;
+        maker.add_volumes(*made);
+        value(state, parent, *made, maker, children[i]);
+        made->patch = {};  // too many are made in context to keep their renderings
+      },
+      stop);
+  if (in_context_) hypotheses_ += static_cast<std::int64_t>(hypotheses.size());
+  for (Child& child : children) {
+    if (!child.valid) continue;
+    if (child.made) {
+      child.id = set_.add(std::move(*child.made));
+      with_volumes_ = set_.size();  // made in context, they come with theirs
+    }
+    State next;
+    next.placed = state.placed;
+    next.placed.insert(std::upper_bound(next.placed.begin(), next.placed.end(), child.id), child.id);
+    next.cost = child.cost;
+    next.bound = child.bound;
+    expansion.edges.push_back({std::move(next), static_cast<double>(child.cost - state.cost)});
+  }
+  return expansion;
+}
+
+bool SceneTree::collides(const Candidate& candidate, const State& state) const {
+  return std::any_of(state.placed.begin(), state.placed.end(), [&](CandidateId id) {
+    return problem_.collide(candidate.model, candidate.pose, set_[id].model, set_[id].pose);
+  });
+}
+
+void SceneTree::value(const State& state, const Parent& parent, const Candidate& candidate,
+                      CandidateMaker& maker, Child& child) const {
+  const DepthPatch& patch = maker.patch(candidate);
+  if (!keeps_monotone(problem_.cost(), parent.composite.depth, patch, settings_) ||
+      collides(candidate, state))
+    return;
+  child.valid = true;
+  if (parent.left_after == 0) {
+    // The last edge takes the rest, the residual of the paper included.
+    child.cost = child.bound = problem_.cost().counts_with(parent.composite, patch, maker.scratch()).total();
+    return;
+  }
+  const std::int64_t rendered = std::max<std::int64_t>(
+      0, charged_with(parent, patch) - std::int64_t{parent.left_after} * settings_.pixel_tolerance);
+  PointSet covered = parent.covered, enclosed = parent.enclosed;
+  covered.insert_all(candidate.explained);
+  enclosed.insert_all(candidate.enclosed);
+  const auto observed = static_cast<std::int64_t>(enclosed.count_not_in(covered));
+  child.cost = child.bound = rendered + observed;
+  if (!bound_) return;
+  std::vector<int> remaining = parent.remaining;
+  --remaining[candidate.model];
+  const auto points = static_cast<std::int64_t>(problem_.observation().size());
+  child.bound = rendered + std::max(observed, (*bound_)(covered, points, remaining));
+}
+
+std::int64_t SceneTree::charged_with(const Parent& parent, const DepthPatch& patch) const {
+  const DepthPatch& depth = parent.composite.depth;
+  const float reach = static_cast<float>(parent.left_after * settings_.depth_tolerance);
+  std::int64_t charged = parent.charged_count;
+  for (int v = patch.window.v0; v < patch.window.v1; ++v)
+    for (int u = patch.window.u0; u < patch.window.u1; ++u) {
+      const float z = patch.at(u, v);
+      if (!(z < no_surface)) continue;
+      const float hidden = depth.at_or_none(u, v);
+      if (!(z < hidden) || !problem_.cost().counts_at(u, v)) continue;
+      if (hidden < no_surface) charged -= parent.charged[depth.index(u, v)];
+      charged += problem_.cost().index().unexplained_throughout(u, v, z, reach);
+    }
+  return charged;
+}
+
+SceneTree::State SceneTree::state_of(std::vector<CandidateId> placed) const {
+  std::sort(placed.begin(), placed.end());
+  State state;
+  state.placed = std::move(placed);
+  if (!is_goal(state)) throw std::logic_error("SceneTree::state_of: not a whole scene");
+  Composite composite = problem_.cost().empty();
+  CandidateMaker& maker = makers_.front();
+  for (const CandidateId id : state.placed)
+    problem_.cost().add(composite, maker.patch(set_[id]), maker.scratch());
+  state.cost = state.bound = problem_.cost().counts(composite).total();
+  return state;
+}
+
+bool SceneTree::contains(const std::vector<CandidateId>& placed) const {
+  std::vector<DepthPatch> patches;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    patches.push_back(makers_.front().patch(set_[placed[i]]));
+    for (std::size_t j = 0; j < i; ++j) {
+      const Candidate &a = set_[placed[i]], &b = set_[placed[j]];
+      if (problem_.collide(a.model, a.pose, b.model, b.pose)) return false;
+    }
+  }
+  return monotone_order_exists(problem_.cost(), patches, settings_);
+}
+
+}  // namespace perch

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "perch/candidates/candidate_set.hpp"
+#include "perch/candidates/cover_bound.hpp"
+#include "perch/search/search_problem.hpp"
+#include "perch/tree/monotone.hpp"
+#include "perch/tree/scene_state.hpp"
+
+namespace perch {
+
+/// The Monotone Scene Generation Tree (paper, section IV): the root is the empty scene, a child adds one
+/// object that does not hide what its parent renders, goals hold all K objects.
+///
+/// The cost of an edge is the rise of `SceneState::cost`, which depends on the state alone, so that all
+/// orders of a scene cost the same and edges along a path to a goal add up to its flat J:
+///     g(s) = max(0, C_r(s) - (K - j) n) + |{p in I, in V_s : no placed candidate alone explains p}|,   j =
+///     |s| < K g(s) = J(s), j = K
+/// C_r counts the points of R_j that are unexplained at every depth in [z - (K - j) t, z] on their rays:
+/// whatever the K - j objects to come may do within the monotone tolerance (n, t), at least that many stay.
+/// V_s holds the points of I so deep in a placed solid that no object beside it can explain them. Both only
+/// grow from parent to child, and bound the two terms of J from below (docs/algorithm.md has the proofs).
+class SceneTree {
+ public:
+  using State = SceneState;
+
+  /// Over a fixed set: a child adds one of its candidates. Keeps references.
+  static SceneTree fixed(const LocalizationProblem& problem, CandidateSet& set,
+                         std::vector<CandidateMaker>& makers, const Executor& executor,
+                         const MonotoneSettings& settings);
+  /// ICP in context: a child adds an object refined from a grid pose with its parent's scene in front.
+  /// Candidates made are added to the set.
+  static SceneTree in_context(const LocalizationProblem& problem, CandidateSet& set,
+                              std::vector<CandidateMaker>& makers, const Executor& executor,
+                              const MonotoneSettings& settings);
+
+  State root() const;
+  bool is_goal(const State& state) const { return state.placed.size() == problem_.object_count(); }
+  Expansion<State> expand(const State& state, const StopCondition& stop);
+
+  /// The state that places these candidates, valued as the tree values it. Not checked against the tree's
+  /// conditions.
+  State state_of(std::vector<CandidateId> placed) const;
+  /// True if the tree holds a path to this scene: collision-free and monotone in some order.
+  bool contains(const std::vector<CandidateId>& placed) const;
+
+  /// (model, grid pose, parent) triples valued by expansions in context; 0 over a fixed set, whose candidates
+  /// are valued once, when the set is made.
+  std::int64_t hypotheses() const { return hypotheses_; }
+  const CandidateSet& candidates() const { return set_; }
+
+ private:
+  /// What all children of a state share.
+  struct Parent {
+    Composite composite;
+    PointSet covered;                   ///< points of I that some placed candidate alone explains
+    PointSet enclosed;                  ///< V_s
+    std::vector<int> remaining;         ///< copies left of each model
+    std::vector<std::uint8_t> charged;  ///< pixels of the composite that count in C_r of a child
+    std::int64_t charged_count = 0;
+    int left_after = 0;  ///< objects that remain to be placed after a child
+  };
+  struct Child {
+    std::optional<Candidate> made;  ///< in context: the candidate, not yet in the set
+    CandidateId id = 0;
+    std::int64_t cost = 0, bound = 0;
+    bool valid = false;
+  };
+  struct Hypothesis {
+    std::size_t model;
+    CandidateId id;     ///< over a fixed set
+    std::int64_t grid;  ///< in context
+  };
+
+  SceneTree(const LocalizationProblem& problem, CandidateSet& set, std::vector<CandidateMaker>& makers,
+            const Executor& executor, const MonotoneSettings& settings, bool in_context);
+
+  Parent make_parent(const State& state) const;
+  std::vector<Hypothesis> hypotheses_of(const Parent& parent) const;
+  bool collides(const Candidate& candidate, const State& state) const;
+  void value(const State& state, const Parent& parent, const Candidate& candidate, CandidateMaker& maker,
+             Child& child) const;
+  std::int64_t charged_with(const Parent& parent, const DepthPatch& patch) const;
+  bool add_volumes(const StopCondition& stop);
+
+  const LocalizationProblem& problem_;
+  CandidateSet& set_;
+  std::vector<CandidateMaker>& makers_;
+  const Executor& executor_;
+  MonotoneSettings settings_;
+  std::optional<CoverBound> bound_;  ///< over a fixed set
+  bool in_context_;
+  std::size_t with_volumes_ = 0;  ///< candidates of the set whose volumes are filled in
+  std::int64_t hypotheses_ = 0;
+};
+
+}  // namespace perch
