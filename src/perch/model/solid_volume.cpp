@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <utility>
 
 #include "perch/model/distance_transform.hpp"
 
@@ -75,11 +75,15 @@ SolidVolume::SolidVolume(const Mesh& mesh, double margin) : solid_(is_closed(mes
   const auto voxel_of = [&](const Eigen::Vector3f& p) -> Eigen::Vector3i {
     return ((p - origin_) / voxel_).array().round().matrix().cast<int>();
   };
-  std::set<std::size_t> sampled;  // one sample a voxel of twice the size is plenty for the collision test
+  // One sample a cell of twice a voxel's size is plenty for the collision test.
+  const Eigen::Vector3i cells = size_ / 2 + Eigen::Vector3i::Ones();
+  std::vector<char> sampled(static_cast<std::size_t>(cells.prod()), 0);
   for (const Eigen::Vector3f& p : sample_surface(mesh, seed_spacing)) {
     const Eigen::Vector3i seed = voxel_of(p);
     field_[index(seed.x(), seed.y(), seed.z())] = 0.0F;
-    if (sampled.insert(index(seed.x() / 2, seed.y() / 2, seed.z() / 2)).second) samples_.push_back(p);
+    char& taken = sampled[static_cast<std::size_t>(((seed.z() / 2) * cells.y() + seed.y() / 2) * cells.x() +
+                                                   seed.x() / 2)];
+    if (!std::exchange(taken, 1)) samples_.push_back(p);
   }
   // A surface point has a seed's sample within seed_spacing / sqrt(3), and that one shares a cell of two
   // voxels' width with the sample that was kept.

@@ -1,0 +1,106 @@
+#include "perch/localize/report.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "perch/render/rasterizer.hpp"
+
+namespace perch {
+namespace {
+
+std::vector<DepthPatch> render_each(const LocalizationProblem& problem,
+                                    const std::vector<PlacedModel>& placed) {
+  Rasterizer rasterizer(problem.observation().intrinsics());
+  std::vector<DepthPatch> patches;
+  for (const PlacedModel& object : placed)
+    patches.push_back(rasterizer.render(problem.models()[object.model].mesh(),
+                                        problem.camera_from_model(object.model, object.pose)));
+  return patches;
+}
+
+Composite composite_of(const LocalizationProblem& problem, const std::vector<DepthPatch>& patches) {
+  Composite composite = problem.cost().empty();
+  CostChange scratch;
+  for (const DepthPatch& patch : patches) problem.cost().add(composite, patch, scratch);
+  return composite;
+}
+
+CostRecord record_of(const CostCounts& counts) {
+  return {counts.total(), counts.observed, counts.rendered};
+}
+
+/// The poses in the order of the problem's objects; repeats of a model by ascending x, then y, then yaw.
+std::vector<PlacedModel> in_scene_order(const LocalizationProblem& problem, std::vector<PlacedModel> placed) {
+  std::sort(placed.begin(), placed.end(), [](const PlacedModel& a, const PlacedModel& b) {
+    return std::tuple(a.model, a.pose.x, a.pose.y, a.pose.yaw) <
+           std::tuple(b.model, b.pose.x, b.pose.y, b.pose.yaw);
+  });
+  std::vector<PlacedModel> ordered;
+  for (const std::size_t model : problem.objects()) {
+    const auto next =
+        std::find_if(placed.begin(), placed.end(), [&](const PlacedModel& p) { return p.model == model; });
+    ordered.push_back(*next);
+    placed.erase(next);
+  }
+  return ordered;
+}
+
+}  // namespace
+
+void report_scene(const LocalizationProblem& problem, const std::vector<PlacedModel>& unordered,
+                  Result& result) {
+  const std::vector<PlacedModel> placed = in_scene_order(problem, unordered);
+  const std::vector<DepthPatch> patches = render_each(problem, placed);
+  result.cost = record_of(problem.cost().counts(composite_of(problem, patches)));
+  std::vector<const DepthPatch*> pointers;
+  for (const DepthPatch& patch : patches) pointers.push_back(&patch);
+  const DepthPatch scene = compose(pointers);
+
+  result.objects.clear();
+  result.search_objects.clear();
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const ObjectModel& model = problem.models()[placed[i].model];
+    ObjectResult object;
+    object.model = model.name();
+    object.pose = placed[i].pose;
+    object.world_from_model = model.world_from_model(placed[i].pose);
+    object.camera_from_model = problem.camera_from_model(placed[i].model, placed[i].pose);
+    std::int64_t alone = 0, explained = 0;
+    const DepthPatch& patch = patches[i];
+    for (int v = patch.window.v0; v < patch.window.v1; ++v)
+      for (int u = patch.window.u0; u < patch.window.u1; ++u) {
+        const float z = patch.at(u, v);
+        if (!(z < no_surface)) continue;
+        ++alone;
+        // Of two at the same depth the first in the scene's order is the one seen.
+        const bool first = std::none_of(patches.begin(), patches.begin() + static_cast<std::ptrdiff_t>(i),
+                                        [&](const DepthPatch& other) { return other.at_or_none(u, v) == z; });
+        if (z > scene.at(u, v) || !first) continue;
+        ++object.visible_pixels;
+        explained += problem.cost().index().explained(u, v, z);
+      }
+    if (alone > 0)
+      object.visible_fraction = static_cast<double>(object.visible_pixels) / static_cast<double>(alone);
+    if (object.visible_pixels > 0)
+      object.explained_fraction = static_cast<double>(explained) / static_cast<double>(object.visible_pixels);
+    result.search_objects.push_back({object.model, object.pose});
+    result.objects.push_back(std::move(object));
+  }
+}
+
+ScoreRecord score_scene(const LocalizationProblem& problem, const std::vector<PlacedModel>& placed,
+                        const MonotoneSettings& settings) {
+  const std::vector<DepthPatch> patches = render_each(problem, placed);
+  const Composite composite = composite_of(problem, patches);
+  ScoreRecord record;
+  record.cost = record_of(problem.cost().counts(composite));
+  record.rendered_points = composite.points;
+  record.observed_points = static_cast<std::int64_t>(problem.observation().size());
+  record.monotone = monotone_order_exists(problem.cost(), patches, settings);
+  for (std::size_t i = 0; i < placed.size(); ++i)
+    for (std::size_t j = 0; j < i && !record.collides; ++j)
+      record.collides = problem.collide(placed[i].model, placed[i].pose, placed[j].model, placed[j].pose);
+  return record;
+}
+
+}  // namespace perch

@@ -1,0 +1,184 @@
+#include "perch/localize/settings.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "perch/core/error.hpp"
+
+namespace perch {
+namespace {
+
+template <typename T>
+struct Names;  // of an enumeration's values, in order
+
+template <>
+struct Names<CandidateMode> {
+  static inline const std::vector<std::string> all{"fixed", "context"};
+};
+template <>
+struct Names<SearchMethod> {
+  static inline const std::vector<std::string> all{"focal-mha"};
+};
+template <>
+struct Names<RefineMethod> {
+  static inline const std::vector<std::string> all{"none", "icp"};
+};
+template <>
+struct Names<MissingDepth> {
+  static inline const std::vector<std::string> all{"unexplained", "ignore"};
+};
+
+[[noreturn]] void fail(const std::string& key, const std::string& text, const std::string& wanted) {
+  throw InvalidSetting(fmt::format("{}: '{}' is not {}", key, text, wanted));
+}
+
+template <typename T>
+T parse(const std::string& key, const std::string& text) {
+  if constexpr (std::is_enum_v<T>) {
+    const auto& all = Names<T>::all;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (all[i] == text) return static_cast<T>(i);
+    if (key == "search.method" && text == "branch-and-bound")
+      throw InvalidSetting(key + ": branch-and-bound is not built yet; use focal-mha");
+    fail(key, text, fmt::format("one of {}", fmt::join(all, ", ")));
+  } else {
+    T value{};
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc() || stop != end)
+      fail(key, text, std::is_floating_point_v<T> ? "a number" : "a whole number in range");
+    if constexpr (std::is_floating_point_v<T>)
+      if (!std::isfinite(value)) fail(key, text, "a finite number");
+    return value;
+  }
+}
+
+template <typename T>
+std::string print(const T& value) {
+  if constexpr (std::is_enum_v<T>)
+    return Names<T>::all[static_cast<std::size_t>(value)];
+  else
+    return fmt::format("{}", value);
+}
+
+/// A field held as it is written.
+template <typename Access>
+SettingsField field(std::string key, std::string help, Access access) {
+  using T = std::remove_cvref_t<decltype(access(std::declval<Settings&>()))>;
+  return {key, std::move(help),
+          [=](Settings& s, const std::string& text) { access(s) = parse<T>(key, text); },
+          [=](const Settings& s) { return print(access(const_cast<Settings&>(s))); }};
+}
+
+/// A field that may be left unset; "auto" unsets it.
+template <typename Access>
+SettingsField optional_field(std::string key, std::string help, Access access) {
+  using T = typename std::remove_cvref_t<decltype(access(std::declval<Settings&>()))>::value_type;
+  return {key, std::move(help),
+          [=](Settings& s, const std::string& text) {
+            if (text == "auto")
+              access(s).reset();
+            else
+              access(s) = parse<T>(key, text);
+          },
+          [=](const Settings& s) {
+            const auto& value = access(const_cast<Settings&>(s));
+            return value ? print(*value) : std::string("auto");
+          }};
+}
+
+/// A field written in degrees and held in radians.
+template <typename Access>
+SettingsField degrees_field(std::string key, std::string help, Access access) {
+  constexpr double degree = std::numbers::pi / 180.0;
+  return {key, std::move(help),
+          [=](Settings& s, const std::string& text) { access(s) = parse<double>(key, text) * degree; },
+          [=](const Settings& s) { return print(access(const_cast<Settings&>(s)) / degree); }};
+}
+
+#define PERCH_FIELD(member)   \
+  [](Settings & s) -> auto& { \
+    return s.member;          \
+  }
+
+std::vector<SettingsField> make_fields() {
+  return {
+      field("search.w", "suboptimality factor, >= 1", PERCH_FIELD(w)),
+      field("search.method", "focal-mha", PERCH_FIELD(method)),
+      field("search.candidates", "fixed: refined alone; context: refined in each parent scene",
+            PERCH_FIELD(mode)),
+      field("search.time_limit", "seconds of wall clock for the whole command, > 0", PERCH_FIELD(time_limit)),
+      optional_field("search.max_expansions", "stop after so many expansions; auto: no limit",
+                     PERCH_FIELD(max_expansions)),
+      field("threads", "0: as many as the machine has", PERCH_FIELD(threads)),
+      field("grid.resolution", "step in x and y, metres", PERCH_FIELD(candidates.grid.resolution)),
+      degrees_field("grid.yaw_resolution_deg", "step in yaw, degrees",
+                    PERCH_FIELD(candidates.grid.yaw_resolution)),
+      field("grid.max_poses", "refuse a larger grid", PERCH_FIELD(candidates.grid.max_poses)),
+      field("cost.delta", "sensor resolution, metres", PERCH_FIELD(candidates.cost.delta)),
+      field("cost.missing_depth", "rendered points without a reading: unexplained or ignore",
+            PERCH_FIELD(candidates.cost.missing_depth)),
+      field("refine.method", "icp or none", PERCH_FIELD(candidates.refine.method)),
+      optional_field("refine.reach", "farthest correspondence, metres; auto: half the grid step",
+                     PERCH_FIELD(candidates.refine.reach)),
+      field("refine.rounds", "times an object is rendered and aligned",
+            PERCH_FIELD(candidates.refine.rounds)),
+      field("refine.iterations", "of one round, at most", PERCH_FIELD(candidates.refine.iterations)),
+      field("refine.samples", "rendered points used in a round", PERCH_FIELD(candidates.refine.samples)),
+      field("refine.robust_scale", "residual of half weight, metres",
+            PERCH_FIELD(candidates.refine.robust_scale)),
+      field("refine.occlusion", "a rendered point this far behind the observed one is hidden, metres",
+            PERCH_FIELD(candidates.refine.occlusion)),
+      field("collision.penetration", "how far objects may enter each other, metres",
+            PERCH_FIELD(candidates.collision.penetration)),
+      field("collision.overlap", "share of a solid that may lie inside another",
+            PERCH_FIELD(candidates.collision.overlap)),
+      field("tree.depth_tolerance", "a successor may cover rendered pixels by this depth, metres",
+            PERCH_FIELD(tree.depth_tolerance)),
+      field("tree.pixel_tolerance", "and this many by any depth", PERCH_FIELD(tree.pixel_tolerance)),
+  };
+}
+
+#undef PERCH_FIELD
+
+}  // namespace
+
+void Settings::check() const {
+  if (!std::isfinite(w) || w < 1.0)
+    throw InvalidSetting(fmt::format("search.w is {}; it must be finite and at least 1", w));
+  if (!std::isfinite(time_limit) || time_limit <= 0.0)
+    throw InvalidSetting(
+        fmt::format("search.time_limit is {}; it must be finite and > 0 (seconds)", time_limit));
+  if (threads > 1024) throw InvalidSetting(fmt::format("threads is {}; it must be at most 1024", threads));
+  candidates.check();
+  tree.check();
+}
+
+const std::vector<SettingsField>& settings_fields() {
+  static const std::vector<SettingsField> fields = make_fields();
+  return fields;
+}
+
+void set_field(Settings& settings, const std::string& key, const std::string& value) {
+  std::vector<std::string> known;
+  for (const SettingsField& field : settings_fields()) {
+    if (field.key == key) return field.set(settings, value);
+    known.push_back(field.key);
+  }
+  throw InvalidSetting(fmt::format("{}: unknown setting; known are {}", key, fmt::join(known, ", ")));
+}
+
+std::string name(CandidateMode mode) {
+  return print(mode);
+}
+std::string name(SearchMethod method) {
+  return print(method);
+}
+std::string name(RefineMethod method) {
+  return print(method);
+}
+
+}  // namespace perch

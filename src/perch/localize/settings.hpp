@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "perch/candidates/problem.hpp"
+#include "perch/tree/monotone.hpp"
+
+namespace perch {
+
+/// How the poses are made that the search ranges over.
+enum class CandidateMode {
+  fixed,   ///< every (model, grid pose) refined once, alone
+  context  ///< refined again in each parent scene, the paper's way
+};
+
+enum class SearchMethod { focal_mha };
+
+/// Everything that can be set. The command line, settings files and `--set` all go through settings_fields,
+/// so that a default is written once, here and in the structs below.
+struct Settings {
+  double w = 3.0;  ///< the answer costs at most w times the optimum
+  CandidateMode mode = CandidateMode::fixed;
+  SearchMethod method = SearchMethod::focal_mha;
+  double time_limit = 60.0;                     ///< seconds of wall clock for the whole command
+  std::size_t threads = 0;                      ///< 0 = as many as the machine has
+  std::optional<std::uint64_t> max_expansions;  ///< stop the search after so many
+  CandidateSettings candidates;
+  MonotoneSettings tree;
+
+  /// Throws InvalidSetting naming the field and the value.
+  void check() const;
+};
+
+/// One field as text.
+struct SettingsField {
+  std::string key;   ///< as in settings files and `--set`, e.g. "cost.delta"
+  std::string help;  ///< what it is, with unit and range
+  std::function<void(Settings&, const std::string&)>
+      set;  ///< throws InvalidSetting where the text is no value for it
+  std::function<std::string(const Settings&)> get;
+};
+
+/// Every field there is.
+const std::vector<SettingsField>& settings_fields();
+
+/// Sets one field from text. Throws InvalidSetting naming key, value and remedy, also for an unknown key.
+void set_field(Settings& settings, const std::string& key, const std::string& value);
+
+std::string name(CandidateMode mode);
+std::string name(SearchMethod method);
+std::string name(RefineMethod method);
+
+}  // namespace perch

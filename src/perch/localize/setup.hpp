@@ -1,0 +1,15 @@
+#pragma once
+
+#include <memory>
+
+#include "perch/candidates/problem.hpp"
+#include "perch/localize/scene.hpp"
+#include "perch/localize/settings.hpp"
+
+namespace perch {
+
+/// A scene made ready to be searched or scored. Throws InputError.
+std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Settings& settings,
+                                                  const Executor& executor);
+
+}  // namespace perch
