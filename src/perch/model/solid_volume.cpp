@@ -154,11 +154,11 @@ void SolidVolume::sample_interior(const std::vector<char>& inside) {
 
 bool SolidVolume::find_voxel(const Eigen::Vector3f& p, std::size_t& voxel, float& distance) const {
   if (field_.empty()) return false;
-  const Eigen::Vector3f scaled = (p - origin_) / voxel_;
-  if (!(scaled.x() >= 0.0F && scaled.y() >= 0.0F && scaled.z() >= 0.0F)) return false;
-  const int i = static_cast<int>(scaled.x() + 0.5F), j = static_cast<int>(scaled.y() + 0.5F),
-            k = static_cast<int>(scaled.z() + 0.5F);
-  if (i >= size_.x() || j >= size_.y() || k >= size_.z()) return false;
+  // The nearest centre's numbers, compared before they are made integers, which may not hold them.
+  const Eigen::Array3f nearest = (p - origin_).array() / voxel_ + 0.5F;
+  if (!((nearest >= 0.5F).all() && (nearest < size_.array().cast<float>()).all())) return false;
+  const int i = static_cast<int>(nearest.x()), j = static_cast<int>(nearest.y()),
+            k = static_cast<int>(nearest.z());
   voxel = index(i, j, k);
   distance = (p - centre(i, j, k)).norm();
   return true;

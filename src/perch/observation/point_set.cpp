@@ -2,26 +2,19 @@
 
 #include <algorithm>
 
-// Counting bits has an instruction of its own on every recent processor; integers give the same result on all
-// paths.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define PERCH_POPCNT __attribute__((target_clones("default", "popcnt", "arch=x86-64-v4")))
-#else
-#define PERCH_POPCNT
-#endif
+#include "perch/core/dispatch.hpp"
 
 namespace perch {
 namespace {
 
-PERCH_POPCNT std::size_t count_bits(const std::uint64_t* words, std::size_t n) {
+PERCH_DISPATCH std::size_t count_bits(const std::uint64_t* words, std::size_t n) {
   std::size_t sum = 0;
   for (std::size_t i = 0; i < n; ++i) sum += static_cast<std::size_t>(__builtin_popcountll(words[i]));
   return sum;
 }
 
-PERCH_POPCNT std::size_t count_bits_not_in(const std::uint64_t* words, const std::uint64_t* other,
-                                           std::size_t n) {
+PERCH_DISPATCH std::size_t count_bits_not_in(const std::uint64_t* words, const std::uint64_t* other,
+                                             std::size_t n) {
   std::size_t sum = 0;
   for (std::size_t i = 0; i < n; ++i)
     sum += static_cast<std::size_t>(__builtin_popcountll(words[i] & ~other[i]));

@@ -35,12 +35,15 @@ class Rasterizer {
   };
 
   Vertex project(const Eigen::Vector3f& point) const;
-  void clip_and_draw(const std::array<Eigen::Vector3f, 3>& corners, DepthPatch& patch) const;
-  void draw(const Vertex& a, const Vertex& b, const Vertex& c, DepthPatch& patch) const;
+  void clip_and_draw(const std::array<Eigen::Vector3f, 3>& corners, const Window& window);
+  void draw(const Vertex& a, const Vertex& b, const Vertex& c, const Window& window);
 
   Intrinsics intrinsics_;
-  RaySlopes rays_;
+  std::vector<float> ray_x_, ray_y_;  ///< slopes of the pixels' rays; x padded to whole blocks
   std::vector<Vertex> vertices_;
+  std::vector<float>
+      inverse_depth_;  ///< the window while it is drawn, rows padded to whole blocks; 0 = nothing
+  std::size_t pitch_ = 0;
 };
 
 }  // namespace perch
