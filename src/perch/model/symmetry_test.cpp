@@ -37,7 +37,8 @@ TEST(Symmetry, TakesTheSmallestDifferenceOverAllPeriods) {
     for (int trial = 0; trial < 300; ++trial) {
       const double a = some_yaw(symmetry, random), b = some_yaw(symmetry, random);
       double smallest = std::numeric_limits<double>::infinity();
-      for (int k = -8 * n; k <= 8 * n; ++k) smallest = std::min(smallest, std::abs(a - b + k * 2.0 * pi / n));
+      for (int k = -13 * n; k <= 13 * n; ++k)
+        smallest = std::min(smallest, std::abs(a - b + k * 2.0 * pi / n));
       ASSERT_NEAR(symmetry.yaw_difference(a, b), smallest, 1e-12) << n << "-fold, " << a << ", " << b;
     }
   }
