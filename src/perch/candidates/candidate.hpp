@@ -1,12 +1,26 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "perch/core/pose.hpp"
 #include "perch/observation/point_set.hpp"
 #include "perch/render/depth_patch.hpp"
 
 namespace perch {
+
+/// Numbers first .. last - 1 of a set that is kept as runs.
+struct Run {
+  std::uint32_t first = 0, last = 0;
+};
+
+/// Adds a number larger than all before it.
+inline void append(std::vector<Run>& runs, std::uint32_t number) {
+  if (!runs.empty() && runs.back().last == number)
+    ++runs.back().last;
+  else
+    runs.push_back({number, number + 1});
+}
 
 /// One object at one pose, valued as if it stood alone. Occlusion by others only removes rendered points, so
 /// in any scene it explains no point of I outside `explained`.
@@ -20,6 +34,12 @@ struct Candidate {
   std::int64_t points = 0;           ///< its rendered points (those that count)
   std::int64_t unexplained = 0;      ///< of these, unexplained by I
   std::int64_t exposed = 0;          ///< of those, the ones that no nearer observed point could be hiding
+
+  /// E(c) again, as runs of points: a sum over it costs two look-ups a run.
+  std::vector<Run> explained_runs;
+  /// B(c): pixels (row-major) that cost one rendered point in every scene with this candidate: unexplained,
+  /// and so is every point nearer on the ray, so that whatever hides it is unexplained too.
+  std::vector<Run> certain_runs;
 
   PointSet enclosed;  ///< points of I so deep in its solid that nothing beside it can explain them
   PointSet reached;   ///< points of I in its solid dilated by delta

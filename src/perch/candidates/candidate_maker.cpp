@@ -5,7 +5,6 @@
 #include "perch/core/stopwatch.hpp"
 
 namespace perch {
-
 CandidateMaker::CandidateMaker(const LocalizationProblem& problem)
     : problem_(problem),
       rasterizer_(problem.observation().intrinsics()),
@@ -69,14 +68,18 @@ Candidate CandidateMaker::value_rendered(std::size_t model, const Pose& pose) {
   for (const std::uint32_t i : change_.gained) all_points_.insert(i);
   candidate.explained = all_points_.trimmed();
   for (const std::uint32_t i : change_.gained) all_points_.erase(i);
+  for (const std::uint32_t i : change_.gained) append(candidate.explained_runs, i);
 
   const float delta = static_cast<float>(problem_.settings().cost.delta);
+  const auto width = static_cast<std::uint32_t>(observation.intrinsics().width);
   for (int v = patch_.window.v0; v < patch_.window.v1; ++v)
     for (int u = patch_.window.u0; u < patch_.window.u1; ++u) {
       const float z = patch_.at(u, v);
       if (!(z < no_surface) || change_.appears.contains(u, v) || !problem_.cost().counts_at(u, v)) continue;
       const float observed = observation.depth(u, v);
       candidate.exposed += !(observed > 0.0F && observed < z - delta);
+      if (problem_.cost().index().unexplained_throughout(u, v, z, z))
+        append(candidate.certain_runs, static_cast<std::uint32_t>(v) * width + static_cast<std::uint32_t>(u));
     }
   if (candidate.explained_count > 0) candidate.patch = patch_;
   seconds_.cost += watch.seconds();

@@ -13,11 +13,16 @@ CandidateId CandidateSet::add(Candidate candidate) {
   return place->second;
 }
 
+void CandidateSet::restrict_to(const std::vector<char>& keep) {
+  for (auto& ids : of_model_) std::erase_if(ids, [&](CandidateId id) { return keep[id] == 0; });
+}
+
 std::size_t CandidateSet::bytes() const {
   std::size_t sum = 0;
   for (const Candidate& c : candidates_)
     sum += sizeof(Candidate) + c.explained.bytes() + c.enclosed.bytes() + c.reached.bytes() +
-           c.patch.depth.size() * sizeof(float);
+           c.patch.depth.size() * sizeof(float) +
+           (c.explained_runs.size() + c.certain_runs.size()) * sizeof(Run);
   return sum;
 }
 

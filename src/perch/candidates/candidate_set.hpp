@@ -26,6 +26,8 @@ class CandidateSet {
   Candidate& operator[](CandidateId id) { return candidates_[id]; }
   /// The candidates of a model, by number.
   const std::vector<CandidateId>& of_model(std::size_t model) const { return of_model_[model]; }
+  /// Takes the candidates for which `keep` is false out of of_model(); they keep their numbers.
+  void restrict_to(const std::vector<char>& keep);
   /// Memory held by sets of points and patches, bytes.
   std::size_t bytes() const;
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "perch/candidates/first_scenes.hpp"
+#include "perch/candidates/lagrangian_bound.hpp"
 #include "perch/core/stopwatch.hpp"
 #include "perch/heuristics/heuristics.hpp"
 #include "perch/localize/report.hpp"
@@ -15,6 +16,11 @@
 
 namespace perch {
 namespace {
+
+constexpr int bound_iterations = 60;  // of the Lagrangian bound; most of what it gives comes in the first ten
+constexpr int widening_rounds = 4;
+constexpr std::size_t most_widened =
+    4000;  // candidates that are rendered once more to widen their certain costs
 
 /// One run of the method; each step fills in its part of the result.
 class Localization {
@@ -33,9 +39,9 @@ class Localization {
     result_.observed_points = static_cast<std::int64_t>(problem_->observation().size());
     describe_guarantee();
     if (settings_.mode == CandidateMode::context)
-      search(SceneTree::in_context(*problem_, candidates_.set, makers_, executor_, settings_.tree));
+      search_in_context();
     else if (make_candidates())
-      search(SceneTree::fixed(*problem_, candidates_.set, makers_, executor_, settings_.tree));
+      search_fixed();
     finish();
     return result_;
   }
@@ -86,18 +92,56 @@ class Localization {
                        problem_->models()[model].name(), problem_->grid(model).size());
   }
 
-  /// The best of the greedy scenes that the tree holds too.
-  std::optional<Incumbent<SceneState>> first_incumbent(const SceneTree& tree) {
-    if (settings_.mode == CandidateMode::context) return std::nullopt;
-    report({.stage = "first scenes"});
-    for (const CandidateScene& scene : first_scenes(*problem_, candidates_.set, makers_, executor_, stop_))
-      if (tree.contains(scene.candidates))
-        return Incumbent<SceneState>{tree.state_of(scene.candidates), static_cast<double>(scene.cost)};
-    return std::nullopt;
+  void search_in_context() {
+    const Stopwatch watch;
+    SceneTree tree = SceneTree::in_context(*problem_, candidates_.set, makers_, executor_, settings_.tree);
+    search(tree, std::nullopt);
+    result_.stats.seconds.search = watch.seconds();
   }
 
-  void search(SceneTree tree) {
+  /// Over the fixed set: a first scene, then the candidates that no better scene can hold are dropped, then
+  /// the tree over those left. What was dropped costs at least as much as the first scene, so the tree's
+  /// bound holds for the whole set.
+  void search_fixed() {
     const Stopwatch watch;
+    report({.stage = "first scenes"});
+    std::optional<Incumbent<SceneState>> first;
+    std::int64_t bound = 0;
+    {
+      const SceneTree whole =
+          SceneTree::fixed(*problem_, candidates_.set, makers_, executor_, settings_.tree);
+      for (const CandidateScene& scene :
+           first_scenes(*problem_, candidates_.set, makers_, executor_, stop_)) {
+        if (!whole.contains(scene.candidates)) continue;
+        first = Incumbent<SceneState>{whole.state_of(scene.candidates), static_cast<double>(scene.cost)};
+        break;
+      }
+    }
+    if (first) bound = drop_candidates(static_cast<std::int64_t>(first->cost));
+    SceneTree tree = SceneTree::fixed(*problem_, candidates_.set, makers_, executor_, settings_.tree);
+    tree.raise_root_bound(bound);
+    search(tree, std::move(first));
+    result_.stats.seconds.search = watch.seconds();
+  }
+
+  /// Returns a lower bound on the scenes of the candidates that it leaves.
+  std::int64_t drop_candidates(std::int64_t upper_bound) {
+    report({.stage = "bound", .best_cost = upper_bound});
+    LagrangianBound lagrangian(*problem_, candidates_.set);
+    const double enough = static_cast<double>(upper_bound) / settings_.w;
+    lagrangian.improve(bound_iterations, upper_bound, enough, executor_, stop_);
+    for (int round = 0; round < widening_rounds; ++round) {
+      if (stop_() || static_cast<double>(lagrangian.lower_bound()) >= enough ||
+          lagrangian.kept_count() > most_widened)
+        break;
+      lagrangian.widen_certain(makers_, executor_);
+      lagrangian.improve(bound_iterations, upper_bound, enough, executor_, stop_);
+    }
+    candidates_.set.restrict_to(lagrangian.kept());
+    return lagrangian.lower_bound();
+  }
+
+  void search(SceneTree& tree, std::optional<Incumbent<SceneState>> first) {
     Heuristics<SceneState> heuristics;
     heuristics.admissible = bound_heuristic;
     heuristics.inadmissible = {DepthHeuristic(problem_->object_count()),
@@ -113,8 +157,7 @@ class Localization {
         report(progress);
       };
     const SearchResult<SceneState> found =
-        focal_mha(tree, heuristics, options, stop_, first_incumbent(tree), observer);
-    result_.stats.seconds.search = watch.seconds();
+        focal_mha(tree, heuristics, options, stop_, std::move(first), observer);
     result_.stats.generated = static_cast<std::int64_t>(found.counters.generated);
     result_.stats.expanded = static_cast<std::int64_t>(found.counters.expanded);
     result_.stats.rendered += tree.hypotheses();

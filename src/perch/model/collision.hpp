@@ -7,7 +7,7 @@ namespace perch {
 
 /// How much objects may share before they collide.
 struct CollisionSettings {
-  double penetration = 0.005;  ///< metres; noise and thinned meshes make touching objects overlap by this
+  double penetration = 0.010;  ///< metres; noise and thinned meshes make touching objects overlap by this
   double overlap =
       0.35;  ///< share of the smaller solid that may lie inside the other: thin walls have no depth
 

@@ -32,6 +32,7 @@ SceneTree SceneTree::in_context(const LocalizationProblem& problem, CandidateSet
 
 SceneTree::State SceneTree::root() const {
   State root;
+  root.bound = root_bound_;
   if (bound_) {
     const PointSet nothing(problem_.observation().size());
     root.bound =

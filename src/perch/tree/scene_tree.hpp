@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -37,6 +38,9 @@ class SceneTree {
   static SceneTree in_context(const LocalizationProblem& problem, CandidateSet& set,
                               std::vector<CandidateMaker>& makers, const Executor& executor,
                               const MonotoneSettings& settings);
+
+  /// Makes the root's f at least this: a bound on every scene of the set, proven by other means.
+  void raise_root_bound(std::int64_t bound) { root_bound_ = std::max(root_bound_, bound); }
 
   State root() const;
   bool is_goal(const State& state) const { return state.placed.size() == problem_.object_count(); }
@@ -94,6 +98,7 @@ class SceneTree {
   MonotoneSettings settings_;
   std::optional<CoverBound> bound_;  ///< over a fixed set
   bool in_context_;
+  std::int64_t root_bound_ = 0;
   std::size_t with_volumes_ = 0;  ///< candidates of the set whose volumes are filled in
   std::int64_t hypotheses_ = 0;
 };

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "perch/candidates/candidate_set.hpp"
+
+namespace perch {
+
+/// The Lagrangian bound over a fixed candidate set. For any weights mu_p in [0, 1] of the points of I and
+/// nu_(m,x) >= 0 of the pixels with sum_m k_m nu_(m,x) <= 1,
+///     LB = |I| - sum_p (1 - mu_p) - sum_m k_m max_{c of m} v(c),   v(c) = sum_{E(c)} mu_p - sum_{B(c)}
+///     nu_(m,x)
+/// is at most the flat J of every scene that takes k_m candidates of each model m, mutual occlusion included:
+/// a point stays unexplained unless some E(c) holds it, and each pixel of the union of the B(c) costs a
+/// rendered point. The weights are improved by a subgradient method, in fixed point, so that the bound is
+/// exact. A scene that holds c costs at least LB + max v - v(c): candidates for which that reaches the cost
+/// of a known scene can be dropped (reduced-cost fixing).
+class LagrangianBound {
+ public:
+  /// Keeps a reference to the problem; the set's candidates are those of its of_model lists.
+  LagrangianBound(const LocalizationProblem& problem, const CandidateSet& set);
+
+  /// Improves the weights. Stops after `iterations`, when the bound reaches `enough`, when nothing is left to
+  /// drop that could raise it, or when the stop condition strikes. \param upper_bound J of a known scene:
+  /// candidates that can only be part of scenes that cost as much are dropped.
+  void improve(int iterations, std::int64_t upper_bound, double enough, const Executor& executor,
+               const StopCondition& stop);
+  /// Adds to each B(c) the pixels where c is unexplained and no candidate left for another object stands in
+  /// front.
+  void widen_certain(std::vector<CandidateMaker>& makers, const Executor& executor);
+
+  /// No scene made of the candidates that are left costs less; scenes with a dropped one cost at least the
+  /// upper bound it was dropped for.
+  std::int64_t lower_bound() const { return lower_bound_; }
+  /// Of each candidate of the set, by number: not dropped.
+  const std::vector<char>& kept() const { return kept_; }
+  std::size_t kept_count() const;
+
+ private:
+  using Weight = std::int64_t;  // in units of 1 / one
+  static constexpr Weight one = Weight{1} << 20;
+
+  std::size_t pixel(std::uint32_t image_pixel) const;
+  void sum_up();
+  Weight value(const Candidate& candidate) const;
+  void step(const std::vector<CandidateId>& best, double length);
+
+  const LocalizationProblem& problem_;
+  const CandidateSet& set_;
+  std::vector<std::vector<Run>> certain_;  ///< B(c) as runs of pixels
+  std::vector<char> kept_;
+  std::int64_t lower_bound_ = 0;
+  double relaxation_ = 1.0;
+
+  std::size_t first_pixel_ = 0, pixels_ = 0;  ///< the part of the image that any B(c) may touch
+  std::vector<Weight> mu_, mu_sums_;
+  std::vector<std::vector<Weight>> nu_, nu_sums_;  ///< of each model; empty where it is not present
+};
+
+}  // namespace perch

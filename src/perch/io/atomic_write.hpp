@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace perch {
+
+/// Files that appear together: all are written under temporary names in the same directory first, then
+/// renamed.
+class OutputSet {
+ public:
+  /// \param name a plain file name, without folders.
+  void add(std::string name, std::string bytes);
+
+  /// Makes the directory where it is missing and writes the files, over files of the same names. Throws
+  /// InputError that names the path and the reason; then no file and no directory made here is left, and
+  /// files of the same names are as they were (unless the disk fails between two renames).
+  void commit(const std::filesystem::path& directory) const;
+
+ private:
+  std::vector<std::pair<std::string, std::string>> files_;
+};
+
+/// One file, whole or not at all. Throws as OutputSet::commit.
+void write_atomically(const std::filesystem::path& path, std::string_view bytes);
+
+}  // namespace perch

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "perch/localize/scene.hpp"
+
+namespace perch {
+
+/// Scenes to be scored: a JSON array of arrays of {model, x, y, yaw}, metres and radians in the world; the
+/// models are those of `scene`. An array may be empty. Throws InputError, one line
+/// `<file>: [0][2].yaw: <value and what is wrong>; <remedy>`.
+std::vector<std::vector<PlacedModel>> read_poses(const std::filesystem::path& path, const Scene& scene);
+
+}  // namespace perch

@@ -1,0 +1,125 @@
+#include "perch/io/result_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace perch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* name(Status status) {
+  switch (status) {
+    case Status::solved:
+      return "solved";
+    case Status::time_limit:
+      return "time_limit";
+    case Status::infeasible:
+      break;
+  }
+  return "infeasible";
+}
+
+template <typename T>
+Json or_null(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json matrix(const Eigen::Isometry3d& transform) {
+  Json rows = Json::array();
+  for (int i = 0; i < 4; ++i) {
+    Json row = Json::array();
+    for (int j = 0; j < 4; ++j) row.push_back(transform.matrix()(i, j));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json to_value(const ObjectResult& o) {
+  return {{"model", o.model},
+          {"x", o.pose.x},
+          {"y", o.pose.y},
+          {"yaw", o.pose.yaw},
+          {"world_from_model", matrix(o.world_from_model)},
+          {"camera_from_model", matrix(o.camera_from_model)},
+          {"visible_pixels", o.visible_pixels},
+          {"visible_fraction", o.visible_fraction},
+          {"explained_fraction", o.explained_fraction}};
+}
+
+Json to_value(const ResultPose& p) {
+  return {{"model", p.model}, {"x", p.pose.x}, {"y", p.pose.y}, {"yaw", p.pose.yaw}};
+}
+
+Json to_value(const Guarantee& g) {
+  return {{"w", g.w},
+          {"over", g.over},
+          {"resolution_m", g.resolution_m},
+          {"yaw_resolution_rad", g.yaw_resolution_rad},
+          {"candidates", g.candidates},
+          {"refine", g.refine},
+          {"search", g.search}};
+}
+
+Json to_value(const Stats& s) {
+  return {{"rendered", s.rendered},
+          {"generated", s.generated},
+          {"expanded", s.expanded},
+          {"threads", s.threads},
+          {"ranks", s.ranks},
+          {"seconds",
+           {{"total", s.seconds.total},
+            {"render", s.seconds.render},
+            {"refine", s.seconds.refine},
+            {"cost", s.seconds.cost},
+            {"search", s.seconds.search}}}};
+}
+
+Json to_value(const ScoreRecord& r) {
+  return {{"cost", r.cost.cost},
+          {"cost_observed", r.cost.cost_observed},
+          {"cost_rendered", r.cost.cost_rendered},
+          {"rendered_points", r.rendered_points},
+          {"observed_points", r.observed_points},
+          {"monotone", r.monotone},
+          {"collides", r.collides}};
+}
+
+template <typename T>
+Json list(const std::vector<T>& values) {
+  Json out = Json::array();
+  for (const T& value : values) out.push_back(to_value(value));
+  return out;
+}
+
+/// Indented text. Names come from files and may hold bytes that are not UTF-8, which JSON can't.
+std::string dump(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::string to_json(const Result& result) {
+  const auto part = [&](std::int64_t CostRecord::*member) {
+    return result.cost ? Json((*result.cost).*member) : Json(nullptr);
+  };
+  return dump(Json{{"version", 1},
+                   {"status", name(result.status)},
+                   {"reason", result.reason},
+                   {"cost", part(&CostRecord::cost)},
+                   {"cost_observed", part(&CostRecord::cost_observed)},
+                   {"cost_rendered", part(&CostRecord::cost_rendered)},
+                   {"observed_points", result.observed_points},
+                   {"search_cost", or_null(result.search_cost)},
+                   {"lower_bound", result.lower_bound},
+                   {"suboptimality_bound", or_null(result.suboptimality_bound())},
+                   {"guarantee", to_value(result.guarantee)},
+                   {"search_objects", list(result.search_objects)},
+                   {"objects", list(result.objects)},
+                   {"stats", to_value(result.stats)}});
+}
+
+std::string to_json(const std::vector<ScoreRecord>& records) {
+  return dump(list(records));
+}
+
+}  // namespace perch

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "perch/localize/result.hpp"
+
+namespace perch {
+
+/// result.json: the keys in their documented order, numbers that read back as the same double, null where a
+/// value is absent; ends with a newline.
+std::string to_json(const Result& result);
+
+/// The records of `score` as a JSON array, one a given scene; ends with a newline.
+std::string to_json(const std::vector<ScoreRecord>& records);
+
+}  // namespace perch

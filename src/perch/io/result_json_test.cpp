@@ -1,0 +1,119 @@
+#include "perch/io/result_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace perch {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> keys(const Json& json) {
+  std::vector<std::string> out;
+  for (const auto& [key, value] : json.items()) out.push_back(key);
+  return out;
+}
+using Keys = std::vector<std::string>;
+
+Result solved() {
+  Result r;
+  r.status = Status::solved;
+  r.reason = "proven";
+  r.cost = CostRecord{812, 400, 412};
+  r.observed_points = 30125;
+  r.search_cost = 830;
+  r.lower_bound = 640;
+  r.guarantee = {
+      3.0, "fixed candidates: grid poses after ICP alone", 0.04, 0.3927, 3120, "icp", "branch-and-bound"};
+  r.search_objects = {{"mug", {0.1, 1.0 / 3.0, -0.7}}};
+  ObjectResult o;
+  o.model = "mug \"quoted\" \xc3\xa9";
+  o.pose = {0.1 + 0.2, -1e-17, 3.141592653589793};
+  o.world_from_model = world_from_model(o.pose, 0.25);
+  o.camera_from_model = o.world_from_model.inverse();
+  o.visible_pixels = 2210;
+  o.visible_fraction = 0.61;
+  o.explained_fraction = 0.97;
+  r.objects = {o};
+  r.stats = {15564, 100, 7, 4, 1, {1.5, 0.25, 0.5, 0.125, 0.1}};
+  return r;
+}
+
+TEST(ResultJson, ReadsBackToTheBit) {
+  const Result r = solved();
+  const std::string text = to_json(r);
+  EXPECT_TRUE(text.ends_with("}\n"));
+  const Json j = Json::parse(text);
+  EXPECT_EQ(keys(j), (Keys{"version", "status", "reason", "cost", "cost_observed", "cost_rendered",
+                           "observed_points", "search_cost", "lower_bound", "suboptimality_bound",
+                           "guarantee", "search_objects", "objects", "stats"}));
+  EXPECT_EQ(j["version"], 1);
+  EXPECT_EQ(j["status"], "solved");
+  EXPECT_EQ(j["reason"], "proven");
+  EXPECT_EQ(j["cost"], 812);
+  EXPECT_EQ(j["cost_observed"], 400);
+  EXPECT_EQ(j["cost_rendered"], 412);
+  EXPECT_EQ(j["observed_points"], 30125);
+  EXPECT_EQ(j["search_cost"], 830);
+  EXPECT_EQ(j["lower_bound"], 640);
+  EXPECT_EQ(j["suboptimality_bound"].get<double>(), 830.0 / 640.0);
+  EXPECT_EQ(keys(j["guarantee"]),
+            (Keys{"w", "over", "resolution_m", "yaw_resolution_rad", "candidates", "refine", "search"}));
+  EXPECT_EQ(j["guarantee"]["over"], r.guarantee.over);
+  EXPECT_EQ(j["guarantee"]["candidates"], 3120);
+  EXPECT_EQ(keys(j["search_objects"][0]), (Keys{"model", "x", "y", "yaw"}));
+  EXPECT_EQ(j["search_objects"][0]["y"].get<double>(), 1.0 / 3.0);
+
+  const Json& o = j["objects"][0];
+  EXPECT_EQ(keys(o), (Keys{"model", "x", "y", "yaw", "world_from_model", "camera_from_model",
+                           "visible_pixels", "visible_fraction", "explained_fraction"}));
+  EXPECT_EQ(o["model"], r.objects[0].model);
+  EXPECT_EQ(o["x"].get<double>(), 0.1 + 0.2);
+  EXPECT_EQ(o["y"].get<double>(), -1e-17);
+  EXPECT_EQ(o["yaw"].get<double>(), 3.141592653589793);
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_EQ(o["world_from_model"][i][k].get<double>(), r.objects[0].world_from_model.matrix()(i, k));
+      EXPECT_EQ(o["camera_from_model"][i][k].get<double>(), r.objects[0].camera_from_model.matrix()(i, k));
+    }
+  EXPECT_EQ(o["visible_pixels"], 2210);
+  EXPECT_EQ(keys(j["stats"]), (Keys{"rendered", "generated", "expanded", "threads", "ranks", "seconds"}));
+  EXPECT_EQ(keys(j["stats"]["seconds"]), (Keys{"total", "render", "refine", "cost", "search"}));
+  EXPECT_EQ(j["stats"]["seconds"]["search"].get<double>(), 0.1);
+}
+
+TEST(ResultJson, WithoutASceneCostsAreNull) {
+  Result r;
+  r.status = Status::infeasible;
+  const Json j = Json::parse(to_json(r));
+  EXPECT_EQ(j["status"], "infeasible");
+  for (const char* key : {"cost", "cost_observed", "cost_rendered", "search_cost", "suboptimality_bound"})
+    EXPECT_TRUE(j[key].is_null()) << key;
+  EXPECT_EQ(j["objects"], Json::array());
+  EXPECT_EQ(j["search_objects"], Json::array());
+  r.status = Status::time_limit;
+  EXPECT_EQ(Json::parse(to_json(r))["status"], "time_limit");
+}
+
+TEST(ResultJson, NamesThatAreNotUtf8StillWrite) {
+  Result r = solved();
+  r.objects[0].model = std::string(1, '\xff');
+  EXPECT_NO_THROW(Json::parse(to_json(r)));
+}
+
+TEST(ScoreJson, HasOneRecordAScene) {
+  EXPECT_EQ(Json::parse(to_json(std::vector<ScoreRecord>{})), Json::array());
+  const Json j = Json::parse(to_json(std::vector<ScoreRecord>{{{5, 2, 3}, 10, 20, true, false}, {}}));
+  ASSERT_EQ(j.size(), 2U);
+  EXPECT_EQ(keys(j[0]), (Keys{"cost", "cost_observed", "cost_rendered", "rendered_points", "observed_points",
+                              "monotone", "collides"}));
+  EXPECT_EQ(j[0]["cost"], 5);
+  EXPECT_EQ(j[0]["rendered_points"], 10);
+  EXPECT_EQ(j[0]["observed_points"], 20);
+  EXPECT_EQ(j[0]["monotone"], true);
+  EXPECT_EQ(j[0]["collides"], false);
+}
+
+}  // namespace
+}  // namespace perch
