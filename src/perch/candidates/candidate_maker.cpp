@@ -13,7 +13,7 @@ CandidateMaker::CandidateMaker(const LocalizationProblem& problem)
 
 void CandidateMaker::render(std::size_t model, const Pose& pose) {
   const Stopwatch watch;
-  rasterizer_.render(problem_.models()[model].mesh(), problem_.camera_from_model(model, pose), patch_);
+  problem_.render(model, pose, rasterizer_, patch_);
   seconds_.render += watch.seconds();
 }
 

@@ -17,6 +17,7 @@ LagrangianBound::LagrangianBound(const LocalizationProblem& problem, const Candi
       set_(set),
       certain_(set.size()),
       kept_(set.size(), 0),
+      reduced_costs_(set.size()),
       mu_(problem.observation().size(), one),
       mu_sums_(mu_.size() + 1, 0),
       nu_(problem.models().size()),
@@ -72,6 +73,7 @@ void LagrangianBound::improve(int iterations, std::int64_t upper_bound, double e
     if (kept_[id]) left.push_back(id);
   constexpr std::size_t batch = 32;
   int without_gain = 0;
+  double relaxation = 1.0;
   Weight best_bound = std::numeric_limits<Weight>::min();
   for (int iteration = 0; iteration < iterations && static_cast<double>(lower_bound_) < enough; ++iteration) {
     sum_up();
@@ -110,9 +112,12 @@ void LagrangianBound::improve(int iterations, std::int64_t upper_bound, double e
       lower_bound_ = std::max(lower_bound_, upper_bound);
       return;
     }
-    // A count is whole: the bound may be rounded up.
-    const std::int64_t whole = bound <= 0 ? 0 : (bound + one - 1) / one;
-    lower_bound_ = std::max(lower_bound_, whole);
+    lower_bound_ = std::max(lower_bound_, ReducedCosts::count(bound));
+    if (bound > reduced_costs_.base_) {
+      reduced_costs_.base_ = bound;
+      for (const CandidateId id : left)
+        reduced_costs_.reduced_[id] = values[best[set_[id].model]] - values[id];
+    }
     const std::size_t before = left.size();
     std::erase_if(left, [&](CandidateId id) {
       const Weight with = bound + values[best[set_[id].model]] - values[id];
@@ -125,14 +130,15 @@ void LagrangianBound::improve(int iterations, std::int64_t upper_bound, double e
       without_gain = 0;
     } else if (++without_gain == patience) {
       without_gain = 0;
-      relaxation_ *= 0.5;
-      if (relaxation_ < least_relaxation) return;
+      relaxation *= 0.5;
+      if (relaxation < least_relaxation) return;
     }
-    step(best, static_cast<double>(upper_bound) - static_cast<double>(bound) / static_cast<double>(one));
+    step(best, relaxation * std::max(1.0, static_cast<double>(upper_bound) -
+                                              static_cast<double>(bound) / static_cast<double>(one)));
   }
 }
 
-void LagrangianBound::step(const std::vector<CandidateId>& best, double gap) {
+void LagrangianBound::step(const std::vector<CandidateId>& best, double rise) {
   // Polyak's step along the subgradient: 1 - (how often a point is explained) for mu; B of the best candidate
   // for nu.
   std::vector<int> explained(mu_.size(), 0);
@@ -147,7 +153,7 @@ void LagrangianBound::step(const std::vector<CandidateId>& best, double gap) {
   }
   for (const int times : explained) norm += static_cast<double>((1 - times) * (1 - times));
   if (norm == 0.0) return;
-  const double length = relaxation_ * std::max(gap, 1.0) / norm;
+  const double length = rise / norm;
   const auto scaled = [&](int slope) {
     return static_cast<Weight>(std::clamp(length * slope, -1.0, 1.0) * static_cast<double>(one));
   };

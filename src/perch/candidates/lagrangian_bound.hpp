@@ -7,6 +7,29 @@
 
 namespace perch {
 
+/// What the Lagrangian bound says of scenes that hold given candidates: base + the sum of their reduced
+/// costs, in fixed point. Never falls when a candidate is added.
+class ReducedCosts {
+ public:
+  using Weight = std::int64_t;  ///< in units of 1 / one
+  static constexpr Weight one = Weight{1} << 20;
+
+  ReducedCosts() = default;
+  explicit ReducedCosts(std::size_t candidates) : reduced_(candidates, 0) {}
+
+  /// Of one more candidate; >= 0.
+  Weight reduced_cost(CandidateId id) const { return reduced_[id]; }
+  /// Of a scene that holds nothing yet.
+  Weight base() const { return base_; }
+  /// A sum of these as a count: whole, so rounded up.
+  static std::int64_t count(Weight sum) { return sum <= 0 ? 0 : (sum + one - 1) / one; }
+
+ private:
+  friend class LagrangianBound;
+  Weight base_ = 0;
+  std::vector<Weight> reduced_;
+};
+
 /// The Lagrangian bound over a fixed candidate set. For any weights mu_p in [0, 1] of the points of I and
 /// nu_(m,x) >= 0 of the pixels with sum_m k_m nu_(m,x) <= 1,
 ///     LB = |I| - sum_p (1 - mu_p) - sum_m k_m max_{c of m} v(c),   v(c) = sum_{E(c)} mu_p - sum_{B(c)}
@@ -35,23 +58,25 @@ class LagrangianBound {
   std::int64_t lower_bound() const { return lower_bound_; }
   /// Of each candidate of the set, by number: not dropped.
   const std::vector<char>& kept() const { return kept_; }
+  /// At the best weights found; zero for dropped candidates.
+  const ReducedCosts& reduced_costs() const { return reduced_costs_; }
   std::size_t kept_count() const;
 
  private:
-  using Weight = std::int64_t;  // in units of 1 / one
-  static constexpr Weight one = Weight{1} << 20;
+  using Weight = ReducedCosts::Weight;
+  static constexpr Weight one = ReducedCosts::one;
 
   std::size_t pixel(std::uint32_t image_pixel) const;
   void sum_up();
   Weight value(const Candidate& candidate) const;
-  void step(const std::vector<CandidateId>& best, double length);
+  void step(const std::vector<CandidateId>& best, double rise);
 
   const LocalizationProblem& problem_;
   const CandidateSet& set_;
   std::vector<std::vector<Run>> certain_;  ///< B(c) as runs of pixels
   std::vector<char> kept_;
   std::int64_t lower_bound_ = 0;
-  double relaxation_ = 1.0;
+  ReducedCosts reduced_costs_;
 
   std::size_t first_pixel_ = 0, pixels_ = 0;  ///< the part of the image that any B(c) may touch
   std::vector<Weight> mu_, mu_sums_;

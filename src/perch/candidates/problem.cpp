@@ -68,6 +68,12 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
                                sample_radius + model.solid().uncertainty() + rounding);
 }
 
+void LocalizationProblem::render(std::size_t model, const Pose& pose, Rasterizer& rasterizer,
+                                 DepthPatch& patch) const {
+  rasterizer.render(models_[model].mesh(), camera_from_model(model, pose), patch,
+                    models_[model].faces_outward() ? Faces::front : Faces::both);
+}
+
 bool LocalizationProblem::collide(std::size_t model_a, const Pose& pose_a, std::size_t model_b,
                                   const Pose& pose_b) const {
   return collides(models_[model_a], pose_a, models_[model_b], pose_b, settings_.collision);

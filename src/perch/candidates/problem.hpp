@@ -12,6 +12,7 @@
 #include "perch/observation/nearest_table.hpp"
 #include "perch/parallel/executor.hpp"
 #include "perch/refine/icp.hpp"
+#include "perch/render/rasterizer.hpp"
 
 namespace perch {
 
@@ -57,6 +58,8 @@ class LocalizationProblem {
   Eigen::Isometry3d camera_from_model(std::size_t model, const Pose& pose) const {
     return camera_from_world_ * models_[model].world_from_model(pose);
   }
+  /// Renders a model at a pose: the one way that all counts go through.
+  void render(std::size_t model, const Pose& pose, Rasterizer& rasterizer, DepthPatch& patch) const;
   /// Points of I this deep in a model's solid (by its depth_lower_bound) can't be explained by any object
   /// that does not collide with it: its surface within delta of such a point would be too deep. Metres.
   float enclosing_depth(std::size_t model) const { return enclosing_depth_[model]; }

@@ -106,7 +106,6 @@ class Localization {
     const Stopwatch watch;
     report({.stage = "first scenes"});
     std::optional<Incumbent<SceneState>> first;
-    std::int64_t bound = 0;
     {
       const SceneTree whole =
           SceneTree::fixed(*problem_, candidates_.set, makers_, executor_, settings_.tree);
@@ -117,15 +116,16 @@ class Localization {
         break;
       }
     }
-    if (first) bound = drop_candidates(static_cast<std::int64_t>(first->cost));
+    std::optional<ReducedCosts> reduced_costs;
+    if (first) reduced_costs = drop_candidates(static_cast<std::int64_t>(first->cost));
     SceneTree tree = SceneTree::fixed(*problem_, candidates_.set, makers_, executor_, settings_.tree);
-    tree.raise_root_bound(bound);
+    if (reduced_costs) tree.use(*reduced_costs, static_cast<std::int64_t>(first->cost));
     search(tree, std::move(first));
     result_.stats.seconds.search = watch.seconds();
   }
 
-  /// Returns a lower bound on the scenes of the candidates that it leaves.
-  std::int64_t drop_candidates(std::int64_t upper_bound) {
+  /// Returns what bounds the scenes of the candidates that it leaves.
+  ReducedCosts drop_candidates(std::int64_t upper_bound) {
     report({.stage = "bound", .best_cost = upper_bound});
     LagrangianBound lagrangian(*problem_, candidates_.set);
     const double enough = static_cast<double>(upper_bound) / settings_.w;
@@ -138,7 +138,7 @@ class Localization {
       lagrangian.improve(bound_iterations, upper_bound, enough, executor_, stop_);
     }
     candidates_.set.restrict_to(lagrangian.kept());
-    return lagrangian.lower_bound();
+    return lagrangian.reduced_costs();
   }
 
   void search(SceneTree& tree, std::optional<Incumbent<SceneState>> first) {

@@ -11,10 +11,9 @@ namespace {
 std::vector<DepthPatch> render_each(const LocalizationProblem& problem,
                                     const std::vector<PlacedModel>& placed) {
   Rasterizer rasterizer(problem.observation().intrinsics());
-  std::vector<DepthPatch> patches;
-  for (const PlacedModel& object : placed)
-    patches.push_back(rasterizer.render(problem.models()[object.model].mesh(),
-                                        problem.camera_from_model(object.model, object.pose)));
+  std::vector<DepthPatch> patches(placed.size());
+  for (std::size_t i = 0; i < placed.size(); ++i)
+    problem.render(placed[i].model, placed[i].pose, rasterizer, patches[i]);
   return patches;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 namespace perch {
@@ -33,18 +34,27 @@ Mesh stood_on_ground(Mesh mesh) {
   return mesh;
 }
 
-bool is_closed(const Mesh& mesh) {
-  // Files often repeat a vertex for each of its triangles; the surface doesn't.
+namespace {
+
+/// Of each vertex the number of its place: files often repeat a vertex for each of its triangles, the surface
+/// doesn't.
+std::vector<std::uint32_t> merged_vertices(const Mesh& mesh) {
   std::map<std::tuple<float, float, float>, std::uint32_t> numbers;
   std::vector<std::uint32_t> merged(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3f& p = mesh.vertices[i];
-    merged[i] = numbers
-                    .try_emplace({p.x() + 0.0F, p.y() + 0.0F, p.z() + 0.0F},
-                                 static_cast<std::uint32_t>(numbers.size()))
-                    .first->second;
+    const std::tuple place{p.x() + 0.0F, p.y() + 0.0F, p.z() + 0.0F};  // -0 is 0
+    merged[i] = numbers.try_emplace(place, static_cast<std::uint32_t>(numbers.size())).first->second;
   }
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  return merged;
+}
+
+}  // namespace
+
+bool is_closed(const Mesh& mesh) {
+  const std::vector<std::uint32_t> merged = merged_vertices(mesh);
+  using Edge = std::pair<std::uint32_t, std::uint32_t>;
+  std::vector<Edge> edges;
   edges.reserve(mesh.triangles.size() * 3);
   for (const auto& triangle : mesh.triangles) {
     const std::array<std::uint32_t, 3> t{merged[triangle[0]], merged[triangle[1]], merged[triangle[2]]};
@@ -53,10 +63,33 @@ bool is_closed(const Mesh& mesh) {
   }
   if (edges.empty()) return false;
   std::sort(edges.begin(), edges.end());
-  if (std::adjacent_find(edges.begin(), edges.end()) != edges.end()) return false;
-  return std::all_of(edges.begin(), edges.end(), [&](const auto& edge) {
-    return std::binary_search(edges.begin(), edges.end(), std::pair{edge.second, edge.first});
-  });
+  std::vector<Edge> reversed;
+  reversed.reserve(edges.size());
+  for (const Edge& edge : edges) reversed.emplace_back(edge.second, edge.first);
+  std::sort(reversed.begin(), reversed.end());
+  return edges == reversed;
+}
+
+bool faces_outward(const Mesh& mesh) {
+  if (!is_closed(mesh)) return false;
+  const std::vector<std::uint32_t> merged = merged_vertices(mesh);
+  std::vector<std::uint32_t> piece(merged.size());
+  std::iota(piece.begin(), piece.end(), 0U);
+  const auto root = [&](std::uint32_t i) {
+    while (piece[i] != i) i = piece[i] = piece[piece[i]];
+    return i;
+  };
+  for (const auto& [a, b, c] : mesh.triangles) {
+    piece[root(merged[a])] = root(merged[b]);
+    piece[root(merged[b])] = root(merged[c]);
+  }
+  std::map<std::uint32_t, double> volumes;  // six times the signed volume
+  for (const auto& [ia, ib, ic] : mesh.triangles) {
+    const Eigen::Vector3d a = mesh.vertices[ia].cast<double>(), b = mesh.vertices[ib].cast<double>(),
+                          c = mesh.vertices[ic].cast<double>();
+    volumes[root(merged[ia])] += a.dot(b.cross(c));
+  }
+  return std::all_of(volumes.begin(), volumes.end(), [](const auto& volume) { return volume.second > 0.0; });
 }
 
 }  // namespace perch

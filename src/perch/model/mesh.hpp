@@ -24,8 +24,13 @@ std::string mesh_fault(const Mesh& mesh);
 /// The mesh lowered or raised so that its lowest point lies at z = 0; x and y stay.
 Mesh stood_on_ground(Mesh mesh);
 
-/// True where every edge, after merging equal vertices, is shared by exactly two triangles that run along it
-/// in opposite directions: the surface then bounds a solid.
+/// True where, after merging equal vertices, every edge is run along equally often in both directions: the
+/// surface then bounds a solid, every line crosses it into the solid as often as out of it. Thinned meshes
+/// often have edges that four triangles share; these are closed too.
 bool is_closed(const Mesh& mesh);
+
+/// True where the mesh is closed and each of its connected pieces has its triangles turned outwards
+/// (counter-clockwise seen from outside). From outside such a mesh shows none of its back faces.
+bool faces_outward(const Mesh& mesh);
 
 }  // namespace perch

@@ -94,11 +94,14 @@ TEST(Mesh, IsNoSolidWithOneTriangleFlippedOrTwice) {
   }
 }
 
-TEST(Mesh, IsNoSolidWhereFourTrianglesMeetAtAnEdge) {
+TEST(Mesh, IsASolidWhereFourTrianglesMeetAtAnEdge) {
   Mesh mesh = box();  // and a second box that touches it along one edge
   for (const Eigen::Vector3f& p : box().vertices) mesh.vertices.push_back(p + Eigen::Vector3f(2, 2, 0));
   for (const auto& [a, b, c] : box().triangles) mesh.triangles.push_back({a + 8, b + 8, c + 8});
-  EXPECT_FALSE(is_closed(mesh));
+  EXPECT_TRUE(is_closed(mesh));
+  Mesh open = mesh;
+  open.triangles.pop_back();
+  EXPECT_FALSE(is_closed(open));
   for (std::size_t i = 8; i < 16; ++i) mesh.vertices[i].x() += 1.0F;
   EXPECT_TRUE(is_closed(mesh)) << "two boxes apart";
 }

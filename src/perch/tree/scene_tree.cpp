@@ -30,26 +30,29 @@ SceneTree SceneTree::in_context(const LocalizationProblem& problem, CandidateSet
   return SceneTree(problem, set, makers, executor, settings, true);
 }
 
+void SceneTree::use(const ReducedCosts& reduced_costs, std::int64_t upper_bound) {
+  reduced_costs_ = reduced_costs;
+  upper_bound_ = upper_bound;
+}
+
 SceneTree::State SceneTree::root() const {
   State root;
-  root.bound = root_bound_;
   if (bound_) {
     const PointSet nothing(problem_.observation().size());
     root.bound =
         (*bound_)(nothing, static_cast<std::int64_t>(problem_.observation().size()), problem_.copies());
   }
+  if (upper_bound_) root.bound = std::max(root.bound, ReducedCosts::count(reduced_costs_.base()));
   return root;
 }
 
 SceneTree::Parent SceneTree::make_parent(const State& state) const {
   const Observation& observation = problem_.observation();
-  Parent parent{problem_.cost().empty(),
-                PointSet(observation.size()),
-                PointSet(observation.size()),
-                problem_.copies(),
-                {},
-                0,
-                0};
+  Parent parent;
+  parent.composite = problem_.cost().empty();
+  parent.covered = parent.enclosed = PointSet(observation.size());
+  parent.remaining = problem_.copies();
+  parent.lagrangian = reduced_costs_.base();
   CandidateMaker& maker = makers_.front();
   for (const CandidateId id : state.placed) {
     const Candidate& candidate = set_[id];
@@ -57,6 +60,7 @@ SceneTree::Parent SceneTree::make_parent(const State& state) const {
     parent.covered.insert_all(candidate.explained);
     parent.enclosed.insert_all(candidate.enclosed);
     --parent.remaining[candidate.model];
+    if (upper_bound_) parent.lagrangian += reduced_costs_.reduced_cost(id);
   }
   parent.left_after = static_cast<int>(problem_.object_count() - state.placed.size()) - 1;
   const DepthPatch& depth = parent.composite.depth;
@@ -80,10 +84,16 @@ std::vector<SceneTree::Hypothesis> SceneTree::hypotheses_of(const Parent& parent
       const auto poses = static_cast<std::int64_t>(problem_.grid(model).size());
       for (std::int64_t i = 0; i < poses; ++i) hypotheses.push_back({model, 0, i});
     } else {
-      for (const CandidateId id : set_.of_model(model)) hypotheses.push_back({model, id, 0});
+      for (const CandidateId id : set_.of_model(model))
+        if (!upper_bound_ || lagrangian_with(parent, id) < *upper_bound_)
+          hypotheses.push_back({model, id, 0});
     }
   }
   return hypotheses;
+}
+
+std::int64_t SceneTree::lagrangian_with(const Parent& parent, CandidateId id) const {
+  return ReducedCosts::count(parent.lagrangian + reduced_costs_.reduced_cost(id));
 }
 
 bool SceneTree::add_volumes(const StopCondition& stop) {
@@ -112,6 +122,8 @@ Expansion<SceneState> SceneTree::expand(const State& state, const StopCondition&
         if (!in_context_) {
           children[i].id = hypothesis.id;
           value(state, parent, set_[hypothesis.id], maker, children[i]);
+          if (upper_bound_ && parent.left_after > 0)
+            children[i].bound = std::max(children[i].bound, lagrangian_with(parent, hypothesis.id));
           return;
         }
         std::optional<Candidate>& made = children[i].made;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -8,6 +7,7 @@
 
 #include "perch/candidates/candidate_set.hpp"
 #include "perch/candidates/cover_bound.hpp"
+#include "perch/candidates/lagrangian_bound.hpp"
 #include "perch/search/search_problem.hpp"
 #include "perch/tree/monotone.hpp"
 #include "perch/tree/scene_state.hpp"
@@ -39,8 +39,9 @@ class SceneTree {
                               std::vector<CandidateMaker>& makers, const Executor& executor,
                               const MonotoneSettings& settings);
 
-  /// Makes the root's f at least this: a bound on every scene of the set, proven by other means.
-  void raise_root_bound(std::int64_t bound) { root_bound_ = std::max(root_bound_, bound); }
+  /// Over a fixed set: adds the Lagrangian bound to the tree's own, and leaves out children for which it
+  /// reaches `upper_bound`, the cost of a known scene.
+  void use(const ReducedCosts& reduced_costs, std::int64_t upper_bound);
 
   State root() const;
   bool is_goal(const State& state) const { return state.placed.size() == problem_.object_count(); }
@@ -66,7 +67,8 @@ class SceneTree {
     std::vector<int> remaining;         ///< copies left of each model
     std::vector<std::uint8_t> charged;  ///< pixels of the composite that count in C_r of a child
     std::int64_t charged_count = 0;
-    int left_after = 0;  ///< objects that remain to be placed after a child
+    ReducedCosts::Weight lagrangian = 0;  ///< the Lagrangian bound with what is placed
+    int left_after = 0;                   ///< objects that remain to be placed after a child
   };
   struct Child {
     std::optional<Candidate> made;  ///< in context: the candidate, not yet in the set
@@ -85,6 +87,7 @@ class SceneTree {
 
   Parent make_parent(const State& state) const;
   std::vector<Hypothesis> hypotheses_of(const Parent& parent) const;
+  std::int64_t lagrangian_with(const Parent& parent, CandidateId id) const;
   bool collides(const Candidate& candidate, const State& state) const;
   void value(const State& state, const Parent& parent, const Candidate& candidate, CandidateMaker& maker,
              Child& child) const;
@@ -98,8 +101,9 @@ class SceneTree {
   MonotoneSettings settings_;
   std::optional<CoverBound> bound_;  ///< over a fixed set
   bool in_context_;
-  std::int64_t root_bound_ = 0;
-  std::size_t with_volumes_ = 0;  ///< candidates of the set whose volumes are filled in
+  ReducedCosts reduced_costs_;
+  std::optional<std::int64_t> upper_bound_;  ///< set where the reduced costs are used
+  std::size_t with_volumes_ = 0;             ///< candidates of the set whose volumes are filled in
   std::int64_t hypotheses_ = 0;
 };
 
