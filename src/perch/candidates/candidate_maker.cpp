@@ -12,7 +12,7 @@ CandidateMaker::CandidateMaker(const LocalizationProblem& problem)
       nothing_(problem.cost().empty()) {}
 
 void CandidateMaker::render(std::size_t model, const Pose& pose) {
-  const Stopwatch watch;
+  const ThreadStopwatch watch;
   problem_.render(model, pose, rasterizer_, patch_);
   seconds_.render += watch.seconds();
 }
@@ -39,7 +39,7 @@ Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const Dept
   const Symmetry& symmetry = problem_.models()[model].symmetry();
   Pose pose = grid_pose;
   for (int round = 0; round < settings.refine.rounds; ++round) {
-    const Stopwatch watch;
+    const ThreadStopwatch watch;
     sample_patch(patch_, in_front, problem_.observation(), settings.refine, samples_);
     Pose moved = align(samples_, pose, symmetry.is_continuous(), *problem_.nearest(), settings.icp_reach(),
                        settings.refine);
@@ -55,7 +55,7 @@ Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const Dept
 }
 
 Candidate CandidateMaker::value_rendered(std::size_t model, const Pose& pose) {
-  const Stopwatch watch;
+  const ThreadStopwatch watch;
   const Observation& observation = problem_.observation();
   problem_.cost().change(nothing_, patch_, change_);
   Candidate candidate;

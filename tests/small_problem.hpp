@@ -1,0 +1,91 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "perch/candidates/candidate_set.hpp"
+#include "perch/localize/setup.hpp"
+#include "perch/sim/scene_generator.hpp"
+#include "perch/tree/scene_tree.hpp"
+
+namespace perch {
+
+/// A random scene small enough that every arrangement of its candidates can be tried.
+struct SmallProblem {
+  SimulatedScene simulated;
+  Settings settings;
+  SerialExecutor executor;
+  std::unique_ptr<LocalizationProblem> problem;
+  std::vector<CandidateMaker> makers;
+  CandidateSet set{0};
+
+  SmallProblem(std::uint64_t seed, bool noise, RefineMethod refine, int objects = 3, bool repeats = false) {
+    TabletopOptions options;
+    options.min_objects = options.max_objects = objects;
+    options.noise = noise;
+    options.width = 80;
+    options.height = 60;
+    options.least_visible = 0.05;
+    if (repeats) options.models = {"can"};
+    simulated = random_tabletop(seed, options);
+    settings.candidates.grid.resolution = 0.14;
+    settings.candidates.grid.yaw_resolution = 1.6;
+    settings.candidates.cost.delta = 0.008;
+    settings.candidates.refine.method = refine;
+    settings.candidates.refine.reach = 0.05;
+    settings.tree.pixel_tolerance = 2;
+    problem = make_problem(simulated.scene, settings, executor);
+    makers = make_makers(*problem, executor);
+    set = make_fixed_candidates(*problem, makers, executor, StopCondition()).set;
+  }
+
+  std::int64_t flat_cost(const std::vector<CandidateId>& placed) {
+    Composite composite = problem->cost().empty();
+    for (const CandidateId id : placed)
+      problem->cost().add(composite, makers.front().patch(set[id]), makers.front().scratch());
+    return problem->cost().counts(composite).total();
+  }
+
+  bool collision_free(const std::vector<CandidateId>& placed) const {
+    for (std::size_t i = 0; i < placed.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const Candidate &a = set[placed[i]], &b = set[placed[j]];
+        if (problem->collide(a.model, a.pose, b.model, b.pose)) return false;
+      }
+    return true;
+  }
+
+  /// Calls `visit` with every multiset of candidates that has one for each object, ascending numbers.
+  template <typename Visit>
+  void for_each_scene(Visit visit) const {
+    std::vector<CandidateId> placed;
+    std::vector<int> left = problem->copies();
+    extend(0, 0, placed, left, visit);
+  }
+
+ private:
+  template <typename Visit>
+  void extend(std::size_t model, std::size_t first, std::vector<CandidateId>& placed, std::vector<int>& left,
+              Visit& visit) const {
+    while (model < left.size() && left[model] == 0) {
+      ++model;
+      first = 0;
+    }
+    if (model == left.size()) {
+      std::vector<CandidateId> sorted = placed;
+      std::sort(sorted.begin(), sorted.end());
+      visit(sorted);
+      return;
+    }
+    const auto& ids = set.of_model(model);
+    for (std::size_t i = first; i < ids.size(); ++i) {
+      placed.push_back(ids[i]);
+      --left[model];
+      extend(model, i, placed, left, visit);
+      ++left[model];
+      placed.pop_back();
+    }
+  }
+};
+
+}  // namespace perch
