@@ -50,7 +50,7 @@ void sample_patch(const DepthPatch& patch, const DepthPatch* in_front, const Obs
       if (!usable(left) || !usable(right) || !usable(up) || !usable(down)) continue;
       const Eigen::Vector3f horizontal = rays.point(u + 1, v, right) - rays.point(u - 1, v, left);
       const Eigen::Vector3f vertical = rays.point(u, v + 1, down) - rays.point(u, v - 1, up);
-      const Eigen::Vector3f normal = horizontal.cross(vertical);
+      const Eigen::Vector3f normal = vertical.cross(horizontal);  // turned to the camera
       const float length = normal.norm();
       if (!(length > 0.0F)) continue;
       samples.push_back(
