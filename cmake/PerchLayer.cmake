@@ -9,7 +9,7 @@ if(PERCH_WERROR)
   target_compile_options(perch_options INTERFACE -Werror)
 endif()
 if(PERCH_SANITIZE)
-  target_compile_options(perch_options INTERFACE -fsanitize=${PERCH_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_compile_options(perch_options INTERFACE -fsanitize=${PERCH_SANITIZE} -fno-sanitize=null -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(perch_options INTERFACE -fsanitize=${PERCH_SANITIZE})
 endif()
 
@@ -31,6 +31,7 @@ function(perch_layer name)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(perch_${name} ${scope} ${L_DEPENDS} ${L_LINK})
   set_property(GLOBAL APPEND PROPERTY PERCH_LAYERS perch_${name})
+  install(TARGETS perch_${name} EXPORT perchTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endfunction()
 
 function(perch_test target)
@@ -43,7 +44,11 @@ function(perch_test target)
   endif()
   add_executable(${target} ${T_SOURCES})
   target_link_libraries(${target} PRIVATE perch_options ${T_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
-  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${T_TIMEOUT} LABELS "${T_LABELS}")
+  # One process a test. Suites whose names end in Heavy get the label `heavy`: too slow for sanitizers.
+  gtest_discover_tests(${target} TEST_FILTER "-*Heavy.*" DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT ${T_TIMEOUT} LABELS "${T_LABELS}")
+  gtest_discover_tests(${target} TEST_FILTER "*Heavy.*" TEST_LIST ${target}_HEAVY DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT ${T_TIMEOUT} LABELS "heavy")
 endfunction()
 
 function(perch_layer_test name)

@@ -53,6 +53,12 @@ class LagrangianBound {
   /// front.
   void widen_certain(std::vector<CandidateMaker>& makers, const Executor& executor);
 
+  /// Where k copies of a model are left to k places of a known scene, gives each place a weight of its own:
+  /// candidates go to the nearest place, and every other way to share out the copies is shown to cost at
+  /// least the upper bound. Where that can't be shown nothing changes. \param known the scene's candidates.
+  void separate_copies(const std::vector<CandidateId>& known, int iterations, std::int64_t upper_bound,
+                       const Executor& executor, const StopCondition& stop);
+
   /// No scene made of the candidates that are left costs less; scenes with a dropped one cost at least the
   /// upper bound it was dropped for.
   std::int64_t lower_bound() const { return lower_bound_; }
@@ -66,21 +72,31 @@ class LagrangianBound {
   using Weight = ReducedCosts::Weight;
   static constexpr Weight one = ReducedCosts::one;
 
-  std::size_t pixel(std::uint32_t image_pixel) const;
+  /// Candidates of which every scene takes `copies`: a model's, until its copies are separated.
+  struct Slot {
+    int copies = 0;
+    std::vector<Weight> nu, sums;  ///< of the pixels, and summed up
+  };
+
+  std::size_t pixel(std::uint32_t image_pixel) const { return image_pixel - first_pixel_; }
+  std::vector<CandidateId> left() const;
   void sum_up();
-  Weight value(const Candidate& candidate) const;
-  void step(const std::vector<CandidateId>& best, double rise);
+  Weight value(CandidateId id) const;
+  bool step(const std::vector<CandidateId>& best, double rise);
+  void share_pixels();
+  std::vector<Slot>::size_type add_slot(int copies);
 
   const LocalizationProblem& problem_;
   const CandidateSet& set_;
   std::vector<std::vector<Run>> certain_;  ///< B(c) as runs of pixels
   std::vector<char> kept_;
+  std::vector<std::size_t> slot_of_;  ///< of each candidate
   std::int64_t lower_bound_ = 0;
   ReducedCosts reduced_costs_;
 
   std::size_t first_pixel_ = 0, pixels_ = 0;  ///< the part of the image that any B(c) may touch
   std::vector<Weight> mu_, mu_sums_;
-  std::vector<std::vector<Weight>> nu_, nu_sums_;  ///< of each model; empty where it is not present
+  std::vector<Slot> slots_;
 };
 
 }  // namespace perch

@@ -18,7 +18,7 @@ namespace perch {
 namespace {
 
 constexpr int bound_iterations = 60;  // of the Lagrangian bound; most of what it gives comes in the first ten
-constexpr int widening_rounds = 4;
+constexpr int widening_rounds = 10;
 constexpr std::size_t most_widened =
     4000;  // candidates that are rendered once more to widen their certain costs
 
@@ -117,7 +117,7 @@ class Localization {
       }
     }
     std::optional<ReducedCosts> reduced_costs;
-    if (first) reduced_costs = drop_candidates(static_cast<std::int64_t>(first->cost));
+    if (first) reduced_costs = drop_candidates(first->state);
     SceneTree tree = SceneTree::fixed(*problem_, candidates_.set, makers_, executor_, settings_.tree);
     if (reduced_costs) tree.use(*reduced_costs, static_cast<std::int64_t>(first->cost));
     search(tree, std::move(first));
@@ -125,17 +125,20 @@ class Localization {
   }
 
   /// Returns what bounds the scenes of the candidates that it leaves.
-  ReducedCosts drop_candidates(std::int64_t upper_bound) {
+  ReducedCosts drop_candidates(const SceneState& known) {
+    const std::int64_t upper_bound = known.cost;
     report({.stage = "bound", .best_cost = upper_bound});
     LagrangianBound lagrangian(*problem_, candidates_.set);
     const double enough = static_cast<double>(upper_bound) / settings_.w;
     lagrangian.improve(bound_iterations, upper_bound, enough, executor_, stop_);
     for (int round = 0; round < widening_rounds; ++round) {
-      if (stop_() || static_cast<double>(lagrangian.lower_bound()) >= enough ||
-          lagrangian.kept_count() > most_widened)
-        break;
+      const std::int64_t bound = lagrangian.lower_bound();
+      const std::size_t kept = lagrangian.kept_count();
+      if (stop_() || static_cast<double>(bound) >= enough || kept > most_widened) break;
+      lagrangian.separate_copies(known.placed, bound_iterations, upper_bound, executor_, stop_);
       lagrangian.widen_certain(makers_, executor_);
       lagrangian.improve(bound_iterations, upper_bound, enough, executor_, stop_);
+      if (lagrangian.lower_bound() == bound && lagrangian.kept_count() == kept) break;
     }
     candidates_.set.restrict_to(lagrangian.kept());
     return lagrangian.reduced_costs();

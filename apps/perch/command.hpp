@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "perch/localize/settings.hpp"
+
+namespace perch::app {
+
+/// Exit statuses of the command line.
+enum ExitStatus { exit_solved = 0, exit_infeasible = 1, exit_bad_input = 2, exit_time_limit = 3 };
+
+/// The options that set fields of Settings: flags, `--settings FILE` and `--set key=value`. The file comes
+/// first, then the flags, then `--set`.
+class SettingsOptions {
+ public:
+  /// Adds `--settings`, `--set` and a flag for each (flag, field) pair.
+  void add_to(CLI::App& command, const std::vector<std::pair<std::string, std::string>>& flags);
+  /// The settings after all options; throws InputError.
+  Settings read() const;
+
+ private:
+  std::string file_;
+  std::vector<std::string> assignments_;
+  std::vector<std::pair<std::string, std::string>> flags_;  // (flag, field)
+  std::vector<std::string> values_;
+};
+
+/// Each adds its subcommand; the function it sets `run` to does the work and returns the exit status.
+using Run = std::function<int()>;
+void add_localize(CLI::App& app, Run& run);
+void add_score(CLI::App& app, Run& run);
+
+}  // namespace perch::app

@@ -1,0 +1,136 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+
+#include "command.hpp"
+#include "output.hpp"
+#include "perch/core/stopwatch.hpp"
+#include "perch/io/scene_file.hpp"
+#include "perch/localize/localize.hpp"
+
+namespace perch::app {
+namespace {
+
+struct LocalizeOptions {
+  std::vector<std::string> scenes;
+  std::string output;
+  bool quiet = false;
+  SettingsOptions settings;
+};
+
+/// One line on the terminal that is written over and over, a few times a second; silent where stderr is no
+/// terminal.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool quiet) : shown_(!quiet && isatty(STDERR_FILENO) != 0) {}
+  ~ProgressLine() {
+    if (written_) fmt::print(stderr, "\r\033[K");
+  }
+
+  void operator()(const Progress& progress) {
+    if (!shown_ || (written_ && since_last_.seconds() < 0.1)) return;
+    since_last_ = Stopwatch();
+    written_ = true;
+    const std::string best = progress.best_cost ? std::to_string(*progress.best_cost) : "-";
+    fmt::print(stderr, "\r\033[K{}: {} states, {} expansions, best cost {}, bound {}, {:.1f} s",
+               progress.stage, progress.states, progress.expansions, best, progress.lower_bound,
+               total_.seconds());
+  }
+
+ private:
+  bool shown_;
+  bool written_ = false;
+  Stopwatch total_, since_last_;
+};
+
+int exit_status(Status status) {
+  switch (status) {
+    case Status::solved:
+      return exit_solved;
+    case Status::infeasible:
+      return exit_infeasible;
+    case Status::time_limit:
+      return exit_time_limit;
+  }
+  return exit_bad_input;
+}
+
+void print_table(const Scene& scene, const Result& result) {
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  const char* status = result.status == Status::solved       ? "solved"
+                       : result.status == Status::infeasible ? "infeasible"
+                                                             : "time limit";
+  fmt::print("{}: {}: {}\n", scene.name, status, result.reason);
+  if (!result.search_cost) return;
+  const auto bound = result.suboptimality_bound();
+  fmt::print("cost {} of {} observed points, lower bound {}, suboptimality bound {}\n", result.cost->cost,
+             result.observed_points, result.lower_bound,
+             bound ? fmt::format("{:.3f}", *bound) : std::string("none"));
+  fmt::print("{} hypotheses, {} expansions, {:.2f} s on {} threads\n", result.stats.rendered,
+             result.stats.expanded, result.stats.seconds.total, result.stats.threads);
+  std::size_t width = 6;
+  for (const ObjectResult& object : result.objects) width = std::max(width, object.model.size());
+  fmt::print("{:<{}}  {:>8} {:>8} {:>8} {:>8} {:>9}\n", "object", width, "x [m]", "y [m]", "yaw [°]",
+             "visible", "explained");
+  for (const ObjectResult& object : result.objects)
+    fmt::print("{:<{}}  {:8.4f} {:8.4f} {:8.1f} {:7.0f}% {:8.0f}%\n", object.model, width, object.pose.x,
+               object.pose.y, object.pose.yaw * degrees, 100.0 * object.visible_fraction,
+               100.0 * object.explained_fraction);
+}
+
+int localize_scenes(const LocalizeOptions& options) {
+  const Stopwatch watch;
+  const Settings settings = options.settings.read();
+  const auto executor = make_executor(settings.threads);
+  const std::size_t n = options.scenes.size();
+  int status = exit_solved;
+  for (std::size_t i = 0; i < n; ++i) {
+    // Each scene gets its share of what is left of the command's time.
+    const double left = (settings.time_limit - watch.seconds()) / static_cast<double>(n - i);
+    const StopCondition stop = StopCondition::after(left);
+    const Scene scene = read_scene(options.scenes[i]);
+    std::optional<Result> result;
+    {
+      ProgressLine progress(options.quiet);
+      result = localize(scene, settings, *executor, stop, [&](const Progress& p) { progress(p); });
+    }
+    if (!options.output.empty()) {
+      std::filesystem::path directory(options.output);
+      if (n > 1) directory /= fmt::format("{}_{}", i, scene.name);
+      write_outputs(scene, *result, settings, *executor, directory);
+    }
+    if (!options.quiet) print_table(scene, *result);
+    if (result->status == Status::infeasible)
+      fmt::print(stderr, "perch: {}: no solution: {}\n", scene.name, result->reason);
+    status = std::max(status, exit_status(result->status));
+  }
+  return status;
+}
+
+}  // namespace
+
+void add_localize(CLI::App& app, Run& run) {
+  auto options = std::make_shared<LocalizeOptions>();
+  CLI::App* command = app.add_subcommand("localize", "find the pose of every object of a scene");
+  command->add_option("scenes", options->scenes, "scene files (YAML)")->required();
+  command->add_option("-o,--output", options->output,
+                      "folder for result.json, rendered_depth.png and a picture");
+  command->add_flag("-q,--quiet", options->quiet, "no progress line and no table");
+  options->settings.add_to(*command, {{"--w", "search.w"},
+                                      {"--delta", "cost.delta"},
+                                      {"--resolution", "grid.resolution"},
+                                      {"--yaw-resolution-deg", "grid.yaw_resolution_deg"},
+                                      {"--refine", "refine.method"},
+                                      {"--candidates", "search.candidates"},
+                                      {"--search", "search.method"},
+                                      {"--time-limit", "search.time_limit"},
+                                      {"--max-expansions", "search.max_expansions"},
+                                      {"--threads", "threads"}});
+  command->callback([options, &run] { run = [options] { return localize_scenes(*options); }; });
+}
+
+}  // namespace perch::app

@@ -1,0 +1,26 @@
+#include "output.hpp"
+
+#include <optional>
+
+#include "perch/io/atomic_write.hpp"
+#include "perch/io/png.hpp"
+#include "perch/io/result_json.hpp"
+#include "perch/localize/rendering.hpp"
+#include "picture.hpp"
+
+namespace perch::app {
+
+void write_outputs(const Scene& scene, const Result& result, const Settings& settings,
+                   const Executor& executor, const std::filesystem::path& directory) {
+  std::optional<SceneRendering> rendering;
+  if (result.cost) rendering = render_scene(scene, placed_objects(scene, result), settings, executor);
+  OutputSet outputs;
+  outputs.add("result.json", to_json(result));
+  if (rendering)
+    outputs.add("rendered_depth.png",
+                encode_png16_gray(counts_from_depth(rendering->depth, scene.depth_scale)));
+  outputs.add("picture.png", draw_picture(scene, result, rendering ? &*rendering : nullptr));
+  outputs.commit(directory);
+}
+
+}  // namespace perch::app

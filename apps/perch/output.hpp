@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "perch/localize/result.hpp"
+#include "perch/localize/scene.hpp"
+#include "perch/localize/settings.hpp"
+#include "perch/parallel/executor.hpp"
+
+namespace perch::app {
+
+/// Writes result.json, picture.png and, where there is a scene, rendered_depth.png: all of them or none. An
+/// older rendered_depth.png stays where there is no scene. Throws InputError where they can't be written.
+void write_outputs(const Scene& scene, const Result& result, const Settings& settings,
+                   const Executor& executor, const std::filesystem::path& directory);
+
+}  // namespace perch::app

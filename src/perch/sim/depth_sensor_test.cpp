@@ -1,0 +1,260 @@
+#include "perch/sim/depth_sensor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <vector>
+
+#include "perch/core/error.hpp"
+#include "perch/core/random.hpp"
+
+namespace perch {
+namespace {
+
+const Intrinsics camera{640, 480, 525, 525, 319.5, 239.5};
+
+DepthImage wall(float depth) {
+  return {camera.width, camera.height, depth};
+}
+
+/// One effect at a time.
+DepthSensorSettings only_quantization() {
+  DepthSensorSettings s = DepthSensorSettings::clean();
+  s.disparity_step = 0.125;
+  return s;
+}
+DepthSensorSettings only_shadow() {
+  DepthSensorSettings s = DepthSensorSettings::clean();
+  s.projector_shadow = true;
+  return s;
+}
+
+TEST(DepthSensor, CleanReturnsItsInput) {
+  DepthImage ideal(camera.width, camera.height);
+  Random random(1);
+  for (std::size_t i = 0; i < ideal.size(); ++i)
+    if (random.uniform() < 0.7) ideal[i] = static_cast<float>(random.uniform(0.05, 20));
+  EXPECT_EQ(sense_depth(ideal, camera, DepthSensorSettings::clean(), 3), ideal);
+}
+
+TEST(DepthSensor, StepsOfDepthFollowTheDisparity) {
+  // Neighbouring readings around z lie z^2 / (8 f b) apart, and each is the nearest one to its depth.
+  for (const double z : {0.5, 0.9, 1.5, 3.0}) {
+    DepthImage ideal = wall(0);
+    const double step = z * z / (8 * camera.fx * 0.075);
+    for (int u = 0; u < camera.width; ++u)
+      for (int v = 0; v < camera.height; ++v)
+        ideal(u, v) = static_cast<float>(z + 4 * step * (u - 320) / 320.0);
+    const DepthImage read = sense_depth(ideal, camera, only_quantization(), 5);
+    std::set<float> readings;
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      readings.insert(read[i]);
+      EXPECT_LE(std::abs(read[i] - ideal[i]), 0.5 * step * 1.1);
+    }
+    ASSERT_GE(readings.size(), 8U);
+    for (auto a = readings.begin(), b = std::next(a); b != readings.end(); ++a, ++b)
+      EXPECT_NEAR((*b - *a) / (static_cast<double>(*a) * *b / (8 * camera.fx * 0.075)), 1.0, 1e-3);
+  }
+}
+
+TEST(DepthSensor, ThinnedImagesKeepTheSensorsSteps) {
+  const Intrinsics small{160, 120, 525.0 / 4, 525.0 / 4, 79.5, 59.5};
+  DepthSensorSettings s = only_quantization();
+  s.focal_length = 525;
+  const DepthImage read = sense_depth(DepthImage(160, 120, 0.9137F), small, s, 1);
+  EXPECT_EQ(read(3, 4), sense_depth(wall(0.9137F), camera, only_quantization(), 1)(3, 4));
+}
+
+TEST(DepthSensor, AnOffsetMovesTheSteps) {
+  DepthSensorSettings s = only_quantization();
+  const double between = 525 * 0.075 / 45.0625;  // half way between two steps
+  s.disparity_offset = 0.0625;
+  EXPECT_NEAR(sense_depth(wall(static_cast<float>(between)), camera, s, 1)(9, 9), between, 1e-5);
+}
+
+TEST(DepthSensor, NoiseHasItsStandardDeviationInDisparity) {
+  DepthSensorSettings s = DepthSensorSettings::clean();
+  s.disparity_noise = 0.1;
+  for (const float z : {0.6F, 1.2F, 2.4F}) {
+    const DepthImage read = sense_depth(wall(z), camera, s, 11);
+    double sum = 0, squares = 0, depth_squares = 0;
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      const double error = 525 * 0.075 * (1.0 / read[i] - 1.0 / z);
+      sum += error;
+      squares += error * error;
+      depth_squares += (read[i] - z) * (read[i] - z);
+    }
+    const auto n = static_cast<double>(read.size());
+    EXPECT_NEAR(sum / n, 0, 5 * 0.1 / std::sqrt(n));
+    EXPECT_NEAR(std::sqrt(squares / n), 0.1, 5 * 0.1 / std::sqrt(2 * n));
+    // sigma_z = z^2 sigma_d / (f b) [K]
+    EXPECT_NEAR(std::sqrt(depth_squares / n) / (z * z * 0.1 / (525 * 0.075)), 1.0, 0.02);
+  }
+}
+
+/// A screen before a wall, columns [320, 420).
+DepthImage screen_and_wall(float near, float far) {
+  DepthImage ideal = wall(far);
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 320; u < 420; ++u) ideal(u, v) = near;
+  return ideal;
+}
+
+TEST(DepthSensor, ShadowFallsAwayFromTheProjectorAsWideAsTheDisparitiesDiffer) {
+  for (const auto& [near, far] : {std::pair{0.8F, 1.2F}, {0.6F, 0.7F}, {1.0F, 3.0F}}) {
+    const double width = 525 * 0.075 * (1 / near - 1 / far);
+    for (const double baseline : {0.075, -0.075}) {
+      DepthSensorSettings s = only_shadow();
+      s.baseline = baseline;
+      const DepthImage read = sense_depth(screen_and_wall(near, far), camera, s, 1);
+      for (int v = 0; v < camera.height; v += 37) {
+        int left = 0, right = 0, elsewhere = 0;
+        for (int u = 0; u < camera.width; ++u) {
+          if (read(u, v) > 0) continue;
+          if (u < 320 && u > 320 - width - 2)
+            ++left;
+          else if (u >= 420 && u < 420 + width + 2)
+            ++right;
+          else
+            ++elsewhere;
+        }
+        EXPECT_NEAR(baseline > 0 ? left : right, width, 0.501);  // the projector is on the other side
+        EXPECT_EQ(baseline > 0 ? right : left, 0);
+        EXPECT_EQ(elsewhere, 0);
+      }
+    }
+  }
+}
+
+TEST(DepthSensor, ShadowOfAPoleIsAsWideAsThePole) {
+  // A shift by the disparities' difference moves the pole's shadow clear of it: what lies between is lit.
+  DepthImage ideal = wall(2.0F);
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 400; u < 406; ++u) ideal(u, v) = 0.8F;
+  const double shift = 525 * 0.075 * (1 / 0.8 - 1 / 2.0);  // 29.5 pixels
+  const DepthImage read = sense_depth(ideal, camera, only_shadow(), 1);
+  int lost = 0;
+  for (int u = 0; u < camera.width; ++u) {
+    if (read(u, 100) > 0) continue;
+    ++lost;
+    EXPECT_NEAR(u, 402.5 - shift, 3.5);
+  }
+  EXPECT_EQ(lost, 6);
+}
+
+TEST(DepthSensor, SlantedSurfacesDontShadowThemselves) {
+  DepthImage ideal = wall(0);
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) {
+      // Planes turned by 60 degrees to either side, joined in a ridge in the middle of the image.
+      const double x = std::abs(u - 319.5) / 525;
+      ideal(u, v) = static_cast<float>(0.8 / (1 - 0.4 * std::tan(std::numbers::pi / 3) * x));
+    }
+  EXPECT_EQ(sense_depth(ideal, camera, only_shadow(), 1), ideal);
+}
+
+TEST(DepthSensor, JitterMovesEdgesByAboutItsDeviationAndLeavesSurfacesAlone) {
+  DepthSensorSettings s = DepthSensorSettings::clean();
+  s.edge_jitter = 0.8;
+  const DepthImage ideal = screen_and_wall(0.8F, 1.2F);
+  const DepthImage read = sense_depth(ideal, camera, s, 4);
+  std::vector<int> strangers(640, 0);
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) {
+      EXPECT_TRUE(read(u, v) == 0.8F || read(u, v) == 1.2F);
+      strangers[static_cast<std::size_t>(u)] += read(u, v) != ideal(u, v);
+    }
+  const auto normal_above = [](double x) { return 0.5 * std::erfc(x / std::sqrt(2.0)); };
+  // At k pixels from the border a pixel looks across it when its jitter is above k - 1/2.
+  for (int k = 1; k <= 3; ++k) {
+    const double expected = camera.height * normal_above((k - 0.5) / 0.8);
+    EXPECT_NEAR(strangers[static_cast<std::size_t>(319 + k)], expected, 5 * std::sqrt(expected + 1));
+    EXPECT_NEAR(strangers[static_cast<std::size_t>(320 - k)], expected, 5 * std::sqrt(expected + 1));
+  }
+  EXPECT_EQ(strangers[300], 0);
+  EXPECT_EQ(strangers[370], 0);
+}
+
+TEST(DepthSensor, DropOutsAtRandomAreBinomial) {
+  DepthSensorSettings s = DepthSensorSettings::clean();
+  for (const double rate : {0.0, 0.01, 0.3, 1.0}) {
+    s.dropout_rate = rate;
+    const DepthImage read = sense_depth(wall(1), camera, s, 8);
+    const auto lost = static_cast<double>(std::count(read.data().begin(), read.data().end(), 0.0F));
+    const auto n = static_cast<double>(read.size());
+    EXPECT_NEAR(lost, n * rate, 5 * std::sqrt(n * rate * (1 - rate)));
+  }
+}
+
+TEST(DepthSensor, GrazingReadingsGetLostInProportion) {
+  DepthSensorSettings s = DepthSensorSettings::clean();
+  s.grazing_start = 1.0;
+  s.grazing_end = 1.4;
+  for (const double angle : {0.5, 1.1, 1.3, 1.45}) {
+    // A plane through (0, 0, 1) turned about the y axis; the middle column sees it at that angle.
+    DepthImage ideal = wall(0);
+    for (int v = 0; v < camera.height; ++v)
+      for (int u = 300; u < 340; ++u)
+        ideal(u, v) = static_cast<float>(1.0 / (1.0 - std::tan(angle) * (u - 319.5) / 525));
+    int lost = 0, seen = 0;
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+      const DepthImage read = sense_depth(ideal, camera, s, seed);
+      for (int v = 200; v < 280; ++v)  // rows near the axis, where no second slant adds to the angle
+        for (int u = 318; u < 322; ++u) (read(u, v) > 0 ? seen : lost)++;
+    }
+    const double n = lost + seen, share = std::clamp((angle - 1.0) / 0.4, 0.0, 1.0);
+    EXPECT_NEAR(lost / n, share, 5 * std::sqrt(share * (1 - share) / n) + 0.01);
+  }
+}
+
+TEST(DepthSensor, ReadsNothingOutsideItsRange) {
+  DepthSensorSettings s = DepthSensorSettings::clean();
+  s.nearest = 0.4;
+  s.farthest = 5;
+  EXPECT_EQ(sense_depth(wall(0.39F), camera, s, 1), wall(0));
+  EXPECT_EQ(sense_depth(wall(5.01F), camera, s, 1), wall(0));
+  EXPECT_EQ(sense_depth(wall(0.41F), camera, s, 1), wall(0.41F));
+}
+
+TEST(DepthSensor, TheSeedDecides) {
+  const DepthImage ideal = screen_and_wall(0.8F, 1.2F);
+  const DepthImage read = sense_depth(ideal, camera, {}, 42);
+  EXPECT_EQ(read, sense_depth(ideal, camera, {}, 42));
+  EXPECT_NE(read, sense_depth(ideal, camera, {}, 43));
+}
+
+TEST(DepthSensor, OneEffectDoesNotReshuffleAnother) {
+  DepthSensorSettings drop = DepthSensorSettings::clean();
+  drop.dropout_rate = 0.1;
+  DepthSensorSettings both = drop;
+  both.disparity_noise = 0.1;
+  const DepthImage a = sense_depth(wall(1), camera, drop, 6), b = sense_depth(wall(1), camera, both, 6);
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i] > 0, b[i] > 0);
+}
+
+TEST(DepthSensor, RefusesWhatMakesNoSense) {
+  const auto refused = [](auto change) {
+    DepthSensorSettings s;
+    change(s);
+    EXPECT_THROW(s.check(), InvalidSetting);
+  };
+  EXPECT_NO_THROW(DepthSensorSettings{}.check());
+  refused([](auto& s) { s.baseline = 0; });
+  refused([](auto& s) { s.focal_length = -1; });
+  refused([](auto& s) { s.disparity_noise = -0.1; });
+  refused([](auto& s) { s.disparity_step = std::nan(""); });
+  refused([](auto& s) { s.disparity_offset = std::nan(""); });
+  refused([](auto& s) { s.edge_jitter = -1; });
+  refused([](auto& s) { s.dropout_rate = 1.1; });
+  refused([](auto& s) { s.grazing_start = 2; });
+  refused([](auto& s) { s.grazing_end = 0.1; });
+  refused([](auto& s) { s.surface_gap = -1; });
+  refused([](auto& s) { s.nearest = 6; });
+  EXPECT_THROW(sense_depth(DepthImage(3, 4), camera, {}, 1), InvalidSetting);
+}
+
+}  // namespace
+}  // namespace perch

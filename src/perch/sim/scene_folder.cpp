@@ -1,0 +1,98 @@
+#include "perch/sim/scene_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <sstream>
+
+#include "perch/io/atomic_write.hpp"
+#include "perch/io/png.hpp"
+
+namespace perch {
+namespace {
+
+void append_little_endian(std::string& bytes, std::uint32_t value) {
+  for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<char>((value >> shift) & 0xFFU));
+}
+
+/// Shortest text that reads back as the same double; never -0.
+std::string number(double value) {
+  return fmt::format("{}", value + 0.0);
+}
+
+std::string commented(const std::string& comment) {
+  std::string text, line;
+  std::istringstream lines(comment);
+  while (std::getline(lines, line)) text += "# " + line + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string encode_ply(const Mesh& mesh) {
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+      "property float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(), mesh.triangles.size());
+  for (const Eigen::Vector3f& vertex : mesh.vertices)
+    for (const float coordinate : vertex)
+      append_little_endian(bytes, std::bit_cast<std::uint32_t>(coordinate));
+  for (const auto& triangle : mesh.triangles) {
+    bytes.push_back(3);
+    for (const std::uint32_t vertex : triangle) append_little_endian(bytes, vertex);
+  }
+  return bytes;
+}
+
+std::string scene_yaml(const SimulatedScene& simulated, const std::string& comment) {
+  const Scene& scene = simulated.scene;
+  const Intrinsics& k = scene.camera.intrinsics;
+  std::string text = commented(comment) + "version: 1\ncamera:\n";
+  text += fmt::format("  intrinsics: {{width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}}}\n", k.width,
+                      k.height, number(k.fx), number(k.fy), number(k.cx), number(k.cy));
+  text += "  world_from_camera:  # metres; camera x right, y down, z forward; world z up\n";
+  const Eigen::Matrix4d pose = scene.camera.world_from_camera.matrix();
+  for (int i = 0; i < 4; ++i)
+    text += fmt::format("    - [{}, {}, {}, {}]\n", number(pose(i, 0)), number(pose(i, 1)),
+                        number(pose(i, 2)), number(pose(i, 3)));
+  text += fmt::format(
+      "observation:\n  depth: depth.png\n  depth_scale: {}  # metres per count; 0 = no reading\n"
+      "  background: removed  # every pixel with a reading belongs to an object\n",
+      number(scene.depth_scale));
+  if (scene.table_height)
+    text += fmt::format("table: {{height: {}}}  # world z of the support plane, metres\n",
+                        number(*scene.table_height));
+  if (const auto& w = scene.workspace)
+    text += fmt::format("workspace: {{x: [{}, {}], y: [{}, {}]}}  # where object origins may lie, metres\n",
+                        number(w->x_min), number(w->x_max), number(w->y_min), number(w->y_max));
+  text += "models:\n";
+  for (const SceneModel& model : scene.models)
+    text += fmt::format("  {0}: {{mesh: models/{0}.ply, unit: m, symmetry: {1}, base: {2}}}\n", model.name,
+                        model.symmetry.name(), number(model.base));
+  text += "objects: [";
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    text += (i == 0 ? "" : ", ") + scene.models[scene.objects[i]].name;
+  text += "]\ntruth:  # metres and radians\n";
+  for (std::size_t i = 0; i < scene.truth.size(); ++i) {
+    const auto& [model, at, symmetry] = scene.truth[i];
+    text += fmt::format("  - {{model: {}, x: {}, y: {}, yaw: {}}}  # {:.0f} % visible\n",
+                        scene.models[model].name, number(at.x), number(at.y), number(at.yaw),
+                        100.0 * simulated.visible_fractions[i]);
+  }
+  return text;
+}
+
+void write_scene_folder(const std::filesystem::path& folder, const SimulatedScene& simulated,
+                        const std::string& comment) {
+  const Scene& scene = simulated.scene;
+  OutputSet models, top;
+  for (const SceneModel& model : scene.models) models.add(model.name + ".ply", encode_ply(model.mesh));
+  top.add("depth.png", encode_png16_gray(counts_from_depth(scene.depth, scene.depth_scale)));
+  top.add("scene.yaml", scene_yaml(simulated, comment));
+  models.commit(folder / "models");
+  top.commit(folder);
+}
+
+}  // namespace perch

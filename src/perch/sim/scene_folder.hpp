@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "perch/model/mesh.hpp"
+#include "perch/sim/simulated_scene.hpp"
+
+namespace perch {
+
+/// The bytes of a binary little-endian PLY file: positions as float32, triangles as int32.
+std::string encode_ply(const Mesh& mesh);
+
+/// The text of a scene file with its truth, for people to read: `comment` (lines of at most 110 characters)
+/// at its head, and beside each true pose how much of the object is visible. Numbers read back as the same
+/// doubles.
+std::string scene_yaml(const SimulatedScene& simulated, const std::string& comment);
+
+/// Writes a scene as a folder: scene.yaml, depth.png at the scene's depth scale, and models/NAME.ply. Throws
+/// InputError where it can't be written.
+void write_scene_folder(const std::filesystem::path& folder, const SimulatedScene& simulated,
+                        const std::string& comment);
+
+}  // namespace perch
