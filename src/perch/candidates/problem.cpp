@@ -70,8 +70,7 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
 
 void LocalizationProblem::render(std::size_t model, const Pose& pose, Rasterizer& rasterizer,
                                  DepthPatch& patch) const {
-  rasterizer.render(models_[model].mesh(), camera_from_model(model, pose), patch,
-                    models_[model].faces_outward() ? Faces::front : Faces::both);
+  rasterizer.render(models_[model].mesh(), camera_from_model(model, pose), patch);
 }
 
 bool LocalizationProblem::collide(std::size_t model_a, const Pose& pose_a, std::size_t model_b,

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <tuple>
 
 namespace perch {
@@ -68,28 +67,6 @@ bool is_closed(const Mesh& mesh) {
   for (const Edge& edge : edges) reversed.emplace_back(edge.second, edge.first);
   std::sort(reversed.begin(), reversed.end());
   return edges == reversed;
-}
-
-bool faces_outward(const Mesh& mesh) {
-  if (!is_closed(mesh)) return false;
-  const std::vector<std::uint32_t> merged = merged_vertices(mesh);
-  std::vector<std::uint32_t> piece(merged.size());
-  std::iota(piece.begin(), piece.end(), 0U);
-  const auto root = [&](std::uint32_t i) {
-    while (piece[i] != i) i = piece[i] = piece[piece[i]];
-    return i;
-  };
-  for (const auto& [a, b, c] : mesh.triangles) {
-    piece[root(merged[a])] = root(merged[b]);
-    piece[root(merged[b])] = root(merged[c]);
-  }
-  std::map<std::uint32_t, double> volumes;  // six times the signed volume
-  for (const auto& [ia, ib, ic] : mesh.triangles) {
-    const Eigen::Vector3d a = mesh.vertices[ia].cast<double>(), b = mesh.vertices[ib].cast<double>(),
-                          c = mesh.vertices[ic].cast<double>();
-    volumes[root(merged[ia])] += a.dot(b.cross(c));
-  }
-  return std::all_of(volumes.begin(), volumes.end(), [](const auto& volume) { return volume.second > 0.0; });
 }
 
 }  // namespace perch

@@ -29,8 +29,4 @@ Mesh stood_on_ground(Mesh mesh);
 /// often have edges that four triangles share; these are closed too.
 bool is_closed(const Mesh& mesh);
 
-/// True where the mesh is closed and each of its connected pieces has its triangles turned outwards
-/// (counter-clockwise seen from outside). From outside such a mesh shows none of its back faces.
-bool faces_outward(const Mesh& mesh);
-
 }  // namespace perch

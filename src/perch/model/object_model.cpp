@@ -10,8 +10,7 @@ ObjectModel::ObjectModel(std::string name, Mesh mesh, Symmetry symmetry, double 
       symmetry_(symmetry),
       origin_z_(origin_z),
       height_(mesh_.bounds().max().z()),
-      solid_(mesh_, margin),
-      faces_outward_(perch::faces_outward(mesh_)) {
+      solid_(mesh_, margin) {
   for (const Eigen::Vector3f& p : mesh_.vertices) radius_ = std::max<double>(radius_, p.head<2>().norm());
 }
 

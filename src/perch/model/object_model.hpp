@@ -21,8 +21,6 @@ class ObjectModel {
   const Mesh& mesh() const { return mesh_; }
   const Symmetry& symmetry() const { return symmetry_; }
   const SolidVolume& solid() const { return solid_; }
-  /// From outside, the back faces of its triangles are never seen.
-  bool faces_outward() const { return faces_outward_; }
   double origin_z() const { return origin_z_; }
   /// Farthest surface point from the model's z axis, metres.
   double radius() const { return radius_; }
@@ -39,7 +37,6 @@ class ObjectModel {
   double origin_z_;
   double radius_ = 0.0, height_ = 0.0;
   SolidVolume solid_;
-  bool faces_outward_;
 };
 
 }  // namespace perch

@@ -71,14 +71,13 @@ Rasterizer::Vertex Rasterizer::project(const Eigen::Vector3f& point) const {
           static_cast<float>(intrinsics_.fy) * point.y() * inverse + static_cast<float>(intrinsics_.cy)};
 }
 
-DepthPatch Rasterizer::render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, Faces faces) {
+DepthPatch Rasterizer::render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model) {
   DepthPatch patch;
-  render(mesh, camera_from_model, patch, faces);
+  render(mesh, camera_from_model, patch);
   return patch;
 }
 
-void Rasterizer::render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, DepthPatch& patch,
-                        Faces faces) {
+void Rasterizer::render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, DepthPatch& patch) {
   const Eigen::Matrix3f rotation = camera_from_model.linear().cast<float>();
   const Eigen::Vector3f translation = camera_from_model.translation().cast<float>();
   vertices_.resize(mesh.vertices.size());
@@ -114,7 +113,6 @@ void Rasterizer::render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_m
     return;
   }
 
-  front_only_ = faces == Faces::front && !crosses_near;
   // While drawing, the buffer holds 1/z: that is what is linear in the image, and the nearest surface has the
   // most.
   const Window window = patch.window;
@@ -161,9 +159,7 @@ void Rasterizer::draw(const Vertex& a, const Vertex& b, const Vertex& c, const W
   const float bottom = std::min(std::floor(std::max({a.v, b.v, c.v})), static_cast<float>(window.v1 - 1));
   if (!(left <= right && top <= bottom)) return;
   const float area = (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
-  // With v down and z forward, a triangle that runs counter-clockwise seen from outside has a negative area
-  // here.
-  if (area == 0.0F || (front_only_ && area > 0.0F)) return;
+  if (area == 0.0F) return;
 
   Triangle t;
   t.left = static_cast<int>(left);

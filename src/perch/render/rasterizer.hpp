@@ -10,13 +10,6 @@
 
 namespace perch {
 
-/// Which triangles are drawn.
-enum class Faces {
-  both,
-  front  ///< for a mesh whose faces turn outwards (faces_outward): half the work, the same picture from
-         ///< outside
-};
-
 /// Renders the depth of one mesh at one pose. Samples exactly at pixel centres, interpolates 1/z
 /// (perspective-correct), clips at the near plane, draws both faces of every triangle, and leaves no cracks
 /// between triangles that share an edge. Holds scratch memory: one rasterizer a thread.
@@ -29,11 +22,8 @@ class Rasterizer {
 
   /// Renders into `patch`, whose memory is reused. The patch's window is the image of the mesh's bounds, cut
   /// to the image; empty where nothing is in view.
-  /// Faces::front is honoured only where the whole mesh lies beyond the near plane, so that the camera is
-  /// outside of it.
-  void render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, DepthPatch& patch,
-              Faces faces = Faces::both);
-  DepthPatch render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, Faces faces = Faces::both);
+  void render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, DepthPatch& patch);
+  DepthPatch render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model);
 
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
@@ -54,7 +44,6 @@ class Rasterizer {
   std::vector<float>
       inverse_depth_;  ///< the window while it is drawn, rows padded to whole blocks; 0 = nothing
   std::size_t pitch_ = 0;
-  bool front_only_ = false;
 };
 
 }  // namespace perch
