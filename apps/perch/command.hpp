@@ -1,10 +1,15 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "perch/core/error.hpp"
+#include "perch/io/message.hpp"
 #include "perch/localize/settings.hpp"
 
 namespace perch::app {
@@ -22,11 +27,21 @@ class SettingsOptions {
   Settings read() const;
 
  private:
-  std::string file_;
+  std::optional<std::string> file_;
   std::vector<std::string> assignments_;
   std::vector<std::pair<std::string, std::string>> flags_;  // (flag, field)
-  std::vector<std::string> values_;
+  std::vector<std::optional<std::string>> values_;          // of the flags, where given
 };
+
+/// Does the work; where it throws InputError, puts what is to blame, a file or a flag, before the message.
+template <typename Work>
+auto blaming(const std::string& name, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", shown(name), error.what()));
+  }
+}
 
 /// Each adds its subcommand; the function it sets `run` to does the work and returns the exit status.
 using Run = std::function<int()>;

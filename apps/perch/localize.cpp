@@ -87,6 +87,8 @@ int localize_scenes(const LocalizeOptions& options) {
   const Settings settings = options.settings.read();
   const auto executor = make_executor(settings.threads);
   const std::size_t n = options.scenes.size();
+  if (n > 1)  // A broken one is refused before any other is worked on and written.
+    for (const std::string& scene : options.scenes) read_scene(scene);
   int status = exit_solved;
   for (std::size_t i = 0; i < n; ++i) {
     // Each scene gets its share of what is left of the command's time.
@@ -96,7 +98,9 @@ int localize_scenes(const LocalizeOptions& options) {
     std::optional<Result> result;
     {
       ProgressLine progress(options.quiet);
-      result = localize(scene, settings, *executor, stop, [&](const Progress& p) { progress(p); });
+      result = blaming(options.scenes[i], [&] {
+        return localize(scene, settings, *executor, stop, [&](const Progress& p) { progress(p); });
+      });
     }
     if (!options.output.empty()) {
       std::filesystem::path directory(options.output);

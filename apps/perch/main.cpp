@@ -3,9 +3,21 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
 
 #include "command.hpp"
 #include "perch/core/error.hpp"
+
+namespace {
+
+/// On one line, whatever the arguments hold that the message repeats.
+void print_error(std::string message) {
+  for (char& c : message)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  fmt::print(stderr, "perch: {}\n", message);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace perch::app;
@@ -24,17 +36,17 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& done) {  // --help, --version
     return app.exit(done);
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "perch: {}; see perch --help\n", error.what());
+    print_error(fmt::format("{}; see perch --help", error.what()));
     return exit_bad_input;
   }
   try {
     return run();
   } catch (const perch::InputError& error) {
-    fmt::print(stderr, "perch: {}\n", error.what());
+    print_error(error.what());
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "perch: out of memory; use a coarser grid, a smaller image or smaller meshes\n");
+    print_error("out of memory; use a coarser grid, a smaller image or smaller meshes");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "perch: internal error: {}\n", error.what());
+    print_error(fmt::format("internal error: {}", error.what()));
   }
   return exit_bad_input;
 }

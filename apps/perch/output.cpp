@@ -1,6 +1,7 @@
 #include "output.hpp"
 
 #include <optional>
+#include <system_error>
 
 #include "perch/io/atomic_write.hpp"
 #include "perch/io/png.hpp"
@@ -21,6 +22,9 @@ void write_outputs(const Scene& scene, const Result& result, const Settings& set
                 encode_png16_gray(counts_from_depth(rendering->depth, scene.depth_scale)));
   outputs.add("picture.png", draw_picture(scene, result, rendering ? &*rendering : nullptr));
   outputs.commit(directory);
+  // Beside a result without a scene, an older rendering would pass for its own.
+  std::error_code ignored;
+  if (!rendering) std::filesystem::remove(directory / "rendered_depth.png", ignored);
 }
 
 }  // namespace perch::app

@@ -9,8 +9,9 @@
 
 namespace perch::app {
 
-/// Writes result.json, picture.png and, where there is a scene, rendered_depth.png: all of them or none. An
-/// older rendered_depth.png stays where there is no scene. Throws InputError where they can't be written.
+/// Writes result.json, picture.png and, where there is a scene, rendered_depth.png: all of them or none.
+/// Where there is no scene, the rendered_depth.png of an earlier run is removed. Throws InputError where they
+/// can't be written.
 void write_outputs(const Scene& scene, const Result& result, const Settings& settings,
                    const Executor& executor, const std::filesystem::path& directory);
 

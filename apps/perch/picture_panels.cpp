@@ -57,6 +57,12 @@ class Painter {
 
   const Window& window() const { return window_; }
 
+  Image<std::uint32_t> objects() const {
+    Image<std::uint32_t> objects(window_.width(), window_.height());
+    each([&](int u, int v) { objects(u - window_.u0, v - window_.v0) = rendering_->object(u, v); });
+    return objects;
+  }
+
   Panel color() const {
     return {"color image", paint([&](int u, int v) { return (*scene_.color)(u, v); }), false, {}};
   }
@@ -71,9 +77,7 @@ class Painter {
                 }),
                 false,
                 {}};
-    std::vector<Rgb> scale;
-    for (int i = 0; i <= 60; ++i) scale.push_back(depth_color(static_cast<float>(i) / 60.0F));
-    panel.legend.push_back({scale, fmt::format("depth {:.2f} to {:.2f} m", range_.near, range_.far)});
+    panel.legend.push_back(depth_legend());
     panel.legend.push_back({{}, fmt::format("{} observed points", grouped(points))});
     if (ground) panel.legend.push_back({{scaled(ground_color, ground_dim)}, "not of interest"});
     return panel;
@@ -111,9 +115,10 @@ class Painter {
     panel.legend.push_back({{rendered_color},
                             fmt::format("{} rendered, not explained by the observation",
                                         grouped(rendering_->cost.cost_rendered))});
-    if (both > 0)
-      panel.legend.push_back({{both_color}, fmt::format("{} pixels where both hold", grouped(both))});
     panel.legend.push_back({{scaled(explained_color, 0.8F)}, "explained"});
+    if (both > 0)
+      panel.legend.push_back(
+          {{both_color}, fmt::format("{} pixel{} where both hold", grouped(both), both == 1 ? "" : "s")});
     if (left_out > 0)
       panel.legend.push_back(
           {{left_out_color}, fmt::format("{} without a reading, not counted", grouped(left_out))});
@@ -135,6 +140,15 @@ class Painter {
   float observed_light(int u, int v) const { return observed_light_(u - window_.u0, v - window_.v0); }
   float rendered_light(int u, int v) const { return rendered_light_(u - window_.u0, v - window_.v0); }
 
+  LegendEntry depth_legend() const {
+    const std::string near = fmt::format("{:.2f}", range_.near), far = fmt::format("{:.2f}", range_.far);
+    if (near == far) return {{depth_color(0.0F)}, fmt::format("depth {} m", near)};
+    constexpr int steps = 45;
+    LegendEntry entry{{}, fmt::format("depth {} to {} m", near, far)};
+    for (int i = 0; i < steps; ++i)
+      entry.swatch.push_back(depth_color(static_cast<float>(i) / static_cast<float>(steps - 1)));
+    return entry;
+  }
   Rgb ground_at(int u, int v) const {
     return scene_.depth(u, v) > 0.0F ? scaled(ground_color, ground_dim * observed_light(u, v))
                                      : panel_background;
@@ -210,6 +224,8 @@ void locate(const SceneRendering& rendering, const Window& window, std::vector<O
   std::vector<std::array<double, 2>> sums(names.size(), {0.0, 0.0});
   each([&](std::size_t i, double u, double v) {
     ++names[i].visible;
+    const int column = static_cast<int>(u), row = static_cast<int>(v);
+    names[i].seen = bounding(names[i].seen, {column, row, column + 1, row + 1});
     sums[i][0] += u;
     sums[i][1] += v;
   });
@@ -243,6 +259,7 @@ Panels make_panels(const Scene& scene, const Result& result, const SceneRenderin
   panels.panels.push_back(painter.residual());
   panels.outlines = outlines_of(*rendering, painter.window());
   panels.names = names_of(result);
+  panels.objects = painter.objects();
   locate(*rendering, painter.window(), panels.names);
   return panels;
 }

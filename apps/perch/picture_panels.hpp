@@ -30,6 +30,7 @@ struct Panel {
 struct ObjectName {
   std::string text;          ///< the model's, numbered where there are several
   double u = 0.0, v = 0.0;   ///< a visible point near the middle of what is seen, pixels of the window
+  Window seen;               ///< that holds all of it that is seen, pixels of the window
   std::int64_t visible = 0;  ///< pixels; 0: hidden, without a place
 };
 
@@ -38,6 +39,7 @@ struct Panels {
   std::vector<Panel> panels;
   std::vector<Segment> outlines;  ///< between what belongs to different objects, in pixels of the window
   std::vector<ObjectName> names;  ///< of the result's objects, in order
+  Image<std::uint32_t> objects;   ///< as in SceneRendering, of the window; empty without a scene
 };
 
 /// What panels are drawn on: the colour of pixels that show nothing.

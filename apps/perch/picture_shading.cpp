@@ -63,7 +63,7 @@ Image<float> shading(const DepthImage& depth, const Intrinsics& intrinsics, cons
       if (!(normal.norm() > 0.0F)) continue;
       normal.normalize();
       if (normal.dot(point(u, v)) > 0.0F) normal = -normal;
-      light(u, v) = 0.3F + 0.7F * std::max(0.0F, normal.dot(to_light));
+      light(u, v) = 0.38F + 0.62F * std::max(0.0F, normal.dot(to_light));
     }
   return light;
 }

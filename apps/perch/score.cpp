@@ -19,7 +19,9 @@ int score_scene_file(const ScoreOptions& options) {
   const Settings settings = options.settings.read();
   const auto executor = make_executor(settings.threads);
   const Scene scene = read_scene(options.scene);
-  const std::string json = to_json(score(scene, read_poses(options.poses, scene), settings, *executor));
+  const auto poses = read_poses(options.poses, scene);
+  const std::string json =
+      to_json(blaming(options.scene, [&] { return score(scene, poses, settings, *executor); }));
   if (!options.output.empty()) {
     OutputSet outputs;
     outputs.add("score.json", json);

@@ -36,15 +36,16 @@ void SettingsOptions::add_to(CLI::App& command,
 
 Settings SettingsOptions::read() const {
   Settings settings;
-  if (!file_.empty()) read_settings(file_, settings);
-  for (std::size_t i = 0; i < flags_.size(); ++i) {
-    if (values_[i].empty()) continue;
-    try {
-      set_field(settings, flags_[i].second, values_[i]);
-    } catch (const InvalidSetting& error) {
-      throw InvalidSetting(fmt::format("{}: {}", flags_[i].first, error.what()));
-    }
+  if (file_) {
+    read_settings(*file_, settings);
+    blaming(*file_, [&] { settings.check(); });
   }
+  for (std::size_t i = 0; i < flags_.size(); ++i)
+    if (values_[i])
+      blaming(flags_[i].first, [&] {
+        set_field(settings, flags_[i].second, *values_[i]);
+        settings.check();
+      });
   for (const std::string& assignment : assignments_) {
     const auto equals = assignment.find('=');
     if (equals == std::string::npos)

@@ -15,12 +15,14 @@ constexpr double rounding = 1e-9;  // so that 0.48 / 0.04 steps are 12 and 360 /
 }  // namespace
 
 void GridSettings::check() const {
-  if (!std::isfinite(resolution) || resolution <= 0.0)
+  if (!std::isfinite(resolution) || resolution <= 0.0 || resolution > 100.0)
     throw InvalidSetting(
-        fmt::format("grid.resolution is {}; it must be finite and > 0 (metres)", resolution));
-  if (!std::isfinite(yaw_resolution) || yaw_resolution <= 0.0)
-    throw InvalidSetting(fmt::format("grid.yaw_resolution_deg is {}; it must be finite and > 0 (degrees)",
-                                     yaw_resolution * 180.0 / std::numbers::pi));
+        fmt::format("grid.resolution is {}; it must lie above 0 and up to 100 metres", resolution));
+  if (!std::isfinite(yaw_resolution) || yaw_resolution <= 0.0 ||
+      yaw_resolution > 2.0 * std::numbers::pi + rounding)
+    throw InvalidSetting(
+        fmt::format("grid.yaw_resolution_deg is {}; it must lie above 0 and up to 360 degrees",
+                    yaw_resolution * 180.0 / std::numbers::pi));
   if (max_poses < 1)
     throw InvalidSetting(fmt::format("grid.max_poses is {}; it must be at least 1", max_poses));
 }

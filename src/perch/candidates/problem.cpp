@@ -29,10 +29,11 @@ void CandidateSettings::check() const {
 LocalizationProblem::LocalizationProblem(Observation observation, std::vector<ObjectModel> models,
                                          std::vector<std::size_t> objects,
                                          const std::optional<Workspace>& workspace,
-                                         const CandidateSettings& settings, const Executor& executor)
+                                         const CandidateSettings& settings, const Executor& executor,
+                                         const StopCondition& stop)
     : settings_((settings.check(), settings)),
       observation_(std::move(observation)),
-      index_(observation_, settings.cost.delta, executor),
+      index_(observation_, settings.cost.delta, executor, stop),
       cost_(observation_, index_, settings.cost.missing_depth),
       models_(std::move(models)),
       objects_(std::move(objects)),
@@ -51,13 +52,14 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
   }
   if (poses > static_cast<double>(settings_.grid.max_poses))
     throw InputError(
-        fmt::format("the grid has {:.0f} poses, more than memory allows ({}, grid.max_poses); use larger "
+        fmt::format("the grid has {} poses, more than memory allows ({}, grid.max_poses); use larger "
                     "--resolution (now {} m) or "
                     "--yaw-resolution-deg, or a smaller workspace",
-                    poses, settings_.grid.max_poses, settings_.grid.resolution));
+                    poses < 1e15 ? fmt::format("{:.0f}", poses) : fmt::format("{:.3g}", poses),
+                    settings_.grid.max_poses, settings_.grid.resolution));
 
   if (settings_.refine.method == RefineMethod::icp)
-    nearest_.emplace(observation_, settings_.icp_reach(), executor);
+    nearest_.emplace(observation_, settings_.icp_reach(), executor, stop);
 
   float sample_radius = 0.0F;
   for (const ObjectModel& model : models_)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -24,7 +25,9 @@ struct CandidateSettings {
 
   void check() const;
   /// Farthest correspondence of ICP, metres.
-  double icp_reach() const { return refine.reach.value_or(0.5 * grid.resolution); }
+  double icp_reach() const {
+    return refine.reach.value_or(std::min(0.5 * grid.resolution, RefineSettings::largest_reach));
+  }
 };
 
 /// One localization problem made ready to be searched: what was observed, the models, which are present, and
@@ -37,7 +40,8 @@ class LocalizationProblem {
   /// setting.
   LocalizationProblem(Observation observation, std::vector<ObjectModel> models,
                       std::vector<std::size_t> objects, const std::optional<Workspace>& workspace,
-                      const CandidateSettings& settings, const Executor& executor);
+                      const CandidateSettings& settings, const Executor& executor,
+                      const StopCondition& stop = StopCondition());
   LocalizationProblem(const LocalizationProblem&) = delete;
   LocalizationProblem& operator=(const LocalizationProblem&) = delete;
 

@@ -6,6 +6,9 @@
 
 namespace perch {
 
+/// Thrown by work that can't be left half done when its stop condition strikes.
+struct Interrupted {};
+
 /// When to give up: at a point in time, or when someone asks. Cheap enough to ask inside a batch. May be
 /// asked from any thread; once true it stays true.
 class StopCondition {

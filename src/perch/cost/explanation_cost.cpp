@@ -34,9 +34,9 @@ void enlarge(Composite& composite, const Window& needed) {
 }  // namespace
 
 void CostSettings::check() const {
-  if (!std::isfinite(delta) || delta <= 0.0 || delta > 1.0)
+  if (!std::isfinite(delta) || delta <= 0.0 || delta > 0.1)
     throw InvalidSetting(
-        fmt::format("cost.delta is {}; the sensor resolution must lie above 0 and up to 1 metre", delta));
+        fmt::format("cost.delta is {}; the sensor resolution must lie above 0 and up to 0.1 metres", delta));
 }
 
 ExplanationCost::ExplanationCost(const Observation& observation, const DeltaIndex& index,

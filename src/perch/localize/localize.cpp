@@ -22,6 +22,21 @@ constexpr int widening_rounds = 10;
 constexpr std::size_t most_widened =
     4000;  // candidates that are rendered once more to widen their certain costs
 
+void describe_guarantee(const Settings& settings, Guarantee& g) {
+  const CandidateSettings& c = settings.candidates;
+  const bool icp = c.refine.method == RefineMethod::icp, context = settings.mode == CandidateMode::context;
+  g.w = settings.w;
+  g.over = !icp      ? "scenes of the monotone scene generation tree over grid poses"
+           : context ? "scenes of the monotone scene generation tree over grid poses after ICP in the "
+                       "context of their parent scene"
+                     : "scenes of the monotone scene generation tree over fixed candidates: grid poses "
+                       "after ICP alone";
+  g.resolution_m = c.grid.resolution;
+  g.yaw_resolution_rad = c.grid.yaw_resolution;
+  g.refine = name(c.refine.method);
+  g.search = name(settings.method);
+}
+
 /// One run of the method; each step fills in its part of the result.
 class Localization {
  public:
@@ -31,13 +46,13 @@ class Localization {
         executor_(executor),
         stop_(stop),
         on_progress_(on_progress),
-        problem_(make_problem(scene, settings, executor)),
+        problem_(make_problem(scene, settings, executor, stop)),
         makers_(make_makers(*problem_, executor)),
         candidates_{CandidateSet(problem_->models().size()), 0, true} {}
 
   Result run() {
     result_.observed_points = static_cast<std::int64_t>(problem_->observation().size());
-    describe_guarantee();
+    describe_guarantee(settings_, result_.guarantee);
     if (settings_.mode == CandidateMode::context)
       search_in_context();
     else if (make_candidates())
@@ -49,22 +64,6 @@ class Localization {
  private:
   void report(const Progress& progress) const {
     if (on_progress_) on_progress_(progress);
-  }
-
-  void describe_guarantee() {
-    const CandidateSettings& c = settings_.candidates;
-    Guarantee& g = result_.guarantee;
-    const bool icp = c.refine.method == RefineMethod::icp, context = settings_.mode == CandidateMode::context;
-    g.w = settings_.w;
-    g.over = !icp      ? "scenes of the monotone scene generation tree over grid poses"
-             : context ? "scenes of the monotone scene generation tree over grid poses after ICP in the "
-                         "context of their parent scene"
-                       : "scenes of the monotone scene generation tree over fixed candidates: grid poses "
-                         "after ICP alone";
-    g.resolution_m = c.grid.resolution;
-    g.yaw_resolution_rad = c.grid.yaw_resolution;
-    g.refine = name(c.refine.method);
-    g.search = name(settings_.method);
   }
 
   /// False where there is nothing to search.
@@ -234,7 +233,20 @@ class Localization {
 Result localize(const Scene& scene, const Settings& settings, const Executor& executor,
                 const StopCondition& stop, const std::function<void(const Progress&)>& on_progress) {
   settings.check();
-  return Localization(scene, settings, executor, stop, on_progress).run();
+  const Stopwatch watch;
+  try {
+    return Localization(scene, settings, executor, stop, on_progress).run();
+  } catch (const Interrupted&) {
+    Result result;
+    result.status = Status::time_limit;
+    result.reason = "the time limit came while the observation was prepared";
+    result.observed_points =
+        static_cast<std::int64_t>(Observation(scene.camera, scene.depth, scene.mask).size());
+    describe_guarantee(settings, result.guarantee);
+    result.stats.threads = static_cast<int>(executor.workers());
+    result.stats.seconds.total = watch.seconds();
+    return result;
+  }
 }
 
 std::vector<ScoreRecord> score(const Scene& scene, const std::vector<std::vector<PlacedModel>>& arrangements,

@@ -22,23 +22,24 @@ double table_height(const Scene& scene) {
 }
 
 std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Settings& settings,
-                                                  const Executor& executor) {
+                                                  const Executor& executor, const StopCondition& stop) {
   settings.check();
   Observation observation(scene.camera, scene.depth, scene.mask);
   const double table = table_height(scene);
   std::vector<std::optional<ObjectModel>> made(scene.models.size());
-  executor.for_each(
-      made.size(),
-      [&](std::size_t i, std::size_t) {
-        const SceneModel& model = scene.models[i];
-        made[i].emplace(model.name, model.mesh, model.symmetry, table + model.base,
-                        settings.candidates.cost.delta);
-      },
-      StopCondition());
+  if (!executor.for_each(
+          made.size(),
+          [&](std::size_t i, std::size_t) {
+            const SceneModel& model = scene.models[i];
+            made[i].emplace(model.name, model.mesh, model.symmetry, table + model.base,
+                            settings.candidates.cost.delta);
+          },
+          stop))
+    throw Interrupted();
   std::vector<ObjectModel> models;
   for (auto& model : made) models.push_back(std::move(*model));
   return std::make_unique<LocalizationProblem>(std::move(observation), std::move(models), scene.objects,
-                                               scene.workspace, settings.candidates, executor);
+                                               scene.workspace, settings.candidates, executor, stop);
 }
 
 }  // namespace perch

@@ -8,8 +8,9 @@
 
 namespace perch {
 
-/// A scene made ready to be searched or scored. Throws InputError.
+/// A scene made ready to be searched or scored. Throws InputError, Interrupted.
 std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Settings& settings,
-                                                  const Executor& executor);
+                                                  const Executor& executor,
+                                                  const StopCondition& stop = StopCondition());
 
 }  // namespace perch

@@ -35,21 +35,22 @@ Window ball_window(const Intrinsics& intrinsics, const Eigen::Vector3f& p, doubl
   return {u0, v0, u1, v1};
 }
 
-DeltaIndex::DeltaIndex(const Observation& observation, double delta, const Executor& executor)
+DeltaIndex::DeltaIndex(const Observation& observation, double delta, const Executor& executor,
+                       const StopCondition& stop)
     : observation_(observation),
       delta_(delta),
       delta_squared_(static_cast<float>(delta) * static_cast<float>(delta)),
       windows_(observation.size()) {
   const Intrinsics& intrinsics = observation.intrinsics();
-  const StopCondition never;
-  executor.for_each(
-      static_cast<std::size_t>(intrinsics.height),
-      [&](std::size_t row, std::size_t) {
-        const int v = static_cast<int>(row);
-        for (std::size_t i = observation.row_begin(v); i < observation.row_begin(v + 1); ++i)
-          windows_[i] = ball_window(intrinsics, observation.points()[i], delta);
-      },
-      never);
+  if (!executor.for_each(
+          static_cast<std::size_t>(intrinsics.height),
+          [&](std::size_t row, std::size_t) {
+            const int v = static_cast<int>(row);
+            for (std::size_t i = observation.row_begin(v); i < observation.row_begin(v + 1); ++i)
+              windows_[i] = ball_window(intrinsics, observation.points()[i], delta);
+          },
+          stop))
+    throw Interrupted();
   for (int v = 0; v < intrinsics.height; ++v)
     for (std::size_t i = observation.row_begin(v); i < observation.row_begin(v + 1); ++i) {
       const Window& w = windows_[i];
@@ -66,49 +67,54 @@ DeltaIndex::DeltaIndex(const Observation& observation, double delta, const Execu
     std::vector<Interval> intervals;
   };
   std::vector<Row> rows(static_cast<std::size_t>(covered_.height()));
-  executor.for_each(
-      rows.size(),
-      [&](std::size_t row, std::size_t) {
-        const int v = covered_.v0 + static_cast<int>(row);
-        std::vector<std::vector<Interval>> pixels(columns);
-        const int first_row = std::max(0, v - reach_), last_row = std::min(intrinsics.height - 1, v + reach_);
-        for (std::size_t i = observation.row_begin(first_row); i < observation.row_begin(last_row + 1); ++i) {
-          const Window& w = windows_[i];
-          if (v < w.v0 || v >= w.v1) continue;
-          const Eigen::Vector3d p = observation.points()[i].cast<double>();
-          const double y = observation.rays().y(v);
-          for (int u = w.u0; u < w.u1; ++u) {
-            // |z d - p|^2 <= radius^2 for d = (x, y, 1), in the form that does not cancel.
-            const Eigen::Vector3d d(observation.rays().x(u), y, 1.0);
-            const double length_squared = d.squaredNorm();
-            const double discriminant = length_squared * radius * radius - d.cross(p).squaredNorm();
-            if (discriminant < 0.0) continue;
-            const double middle = d.dot(p) / length_squared, half = std::sqrt(discriminant) / length_squared;
-            Interval added{static_cast<float>(middle - half), static_cast<float>(middle + half)};
-            auto& list = pixels[static_cast<std::size_t>(u - covered_.u0)];
-            // Keep the list sorted and disjoint; nearly always there is one interval, and this one widens it.
-            const auto overlaps_from = std::find_if(
-                list.begin(), list.end(), [&](const Interval& other) { return other.high >= added.low; });
-            auto overlaps_to = overlaps_from;
-            while (overlaps_to != list.end() && overlaps_to->low <= added.high) {
-              added.low = std::min(added.low, overlaps_to->low);
-              added.high = std::max(added.high, overlaps_to->high);
-              ++overlaps_to;
+  if (!executor.for_each(
+          rows.size(),
+          [&](std::size_t row, std::size_t) {
+            const int v = covered_.v0 + static_cast<int>(row);
+            std::vector<std::vector<Interval>> pixels(columns);
+            const int first_row = std::max(0, v - reach_),
+                      last_row = std::min(intrinsics.height - 1, v + reach_);
+            for (std::size_t i = observation.row_begin(first_row); i < observation.row_begin(last_row + 1);
+                 ++i) {
+              const Window& w = windows_[i];
+              if (v < w.v0 || v >= w.v1) continue;
+              const Eigen::Vector3d p = observation.points()[i].cast<double>();
+              const double y = observation.rays().y(v);
+              for (int u = w.u0; u < w.u1; ++u) {
+                // |z d - p|^2 <= radius^2 for d = (x, y, 1), in the form that does not cancel.
+                const Eigen::Vector3d d(observation.rays().x(u), y, 1.0);
+                const double length_squared = d.squaredNorm();
+                const double discriminant = length_squared * radius * radius - d.cross(p).squaredNorm();
+                if (discriminant < 0.0) continue;
+                const double middle = d.dot(p) / length_squared,
+                             half = std::sqrt(discriminant) / length_squared;
+                Interval added{static_cast<float>(middle - half), static_cast<float>(middle + half)};
+                auto& list = pixels[static_cast<std::size_t>(u - covered_.u0)];
+                // Keep the list sorted and disjoint; nearly always there is one interval, and this one widens
+                // it.
+                const auto overlaps_from = std::find_if(
+                    list.begin(), list.end(), [&](const Interval& other) { return other.high >= added.low; });
+                auto overlaps_to = overlaps_from;
+                while (overlaps_to != list.end() && overlaps_to->low <= added.high) {
+                  added.low = std::min(added.low, overlaps_to->low);
+                  added.high = std::max(added.high, overlaps_to->high);
+                  ++overlaps_to;
+                }
+                if (overlaps_from == overlaps_to) {
+                  list.insert(overlaps_from, added);
+                } else {
+                  *overlaps_from = added;
+                  list.erase(overlaps_from + 1, overlaps_to);
+                }
+              }
             }
-            if (overlaps_from == overlaps_to) {
-              list.insert(overlaps_from, added);
-            } else {
-              *overlaps_from = added;
-              list.erase(overlaps_from + 1, overlaps_to);
+            for (const auto& list : pixels) {
+              rows[row].counts.push_back(static_cast<std::uint32_t>(list.size()));
+              rows[row].intervals.insert(rows[row].intervals.end(), list.begin(), list.end());
             }
-          }
-        }
-        for (const auto& list : pixels) {
-          rows[row].counts.push_back(static_cast<std::uint32_t>(list.size()));
-          rows[row].intervals.insert(rows[row].intervals.end(), list.begin(), list.end());
-        }
-      },
-      never);
+          },
+          stop))
+    throw Interrupted();
   first_.reserve(rows.size() * columns + 1);
   first_.push_back(0);
   for (const Row& row : rows) {

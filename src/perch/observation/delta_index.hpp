@@ -26,8 +26,9 @@ Window ball_window(const Intrinsics& intrinsics, const Eigen::Vector3f& p, doubl
 /// brute force to the bit.
 class DeltaIndex {
  public:
-  /// \param delta metres, > 0.
-  DeltaIndex(const Observation& observation, double delta, const Executor& executor);
+  /// \param delta metres, > 0. Throws Interrupted.
+  DeltaIndex(const Observation& observation, double delta, const Executor& executor,
+             const StopCondition& stop = StopCondition());
 
   double delta() const { return delta_; }
   float delta_squared() const { return delta_squared_; }

@@ -13,7 +13,8 @@ constexpr float most_cells = 4'000'000.0F;
 
 }  // namespace
 
-NearestTable::NearestTable(const Observation& observation, double reach, const Executor& executor) {
+NearestTable::NearestTable(const Observation& observation, double reach, const Executor& executor,
+                           const StopCondition& stop) {
   const Eigen::Isometry3f world_from_camera = observation.camera().world_from_camera.cast<float>();
   Eigen::AlignedBox3f box;
   std::vector<Eigen::Vector3f> all;
@@ -65,33 +66,34 @@ NearestTable::NearestTable(const Observation& observation, double reach, const E
                    [](const Seed& a, const Seed& b) { return a.cell.z() < b.cell.z(); });
 
   const int radius = static_cast<int>(std::ceil(pad / cell_));
-  executor.for_each(
-      static_cast<std::size_t>(size_.z()),
-      [&](std::size_t slab, std::size_t) {
-        const int k = static_cast<int>(slab);
-        std::vector<float> best(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()),
-                                std::numeric_limits<float>::infinity());
-        auto seed = std::lower_bound(seeds.begin(), seeds.end(), k - radius,
-                                     [](const Seed& s, int z) { return s.cell.z() < z; });
-        for (; seed != seeds.end() && seed->cell.z() <= k + radius; ++seed) {
-          const Eigen::Vector3f& p = points_[static_cast<std::size_t>(seed->point)];
-          const int j0 = std::max(0, seed->cell.y() - radius),
-                    j1 = std::min(size_.y() - 1, seed->cell.y() + radius);
-          const int i0 = std::max(0, seed->cell.x() - radius),
-                    i1 = std::min(size_.x() - 1, seed->cell.x() + radius);
-          for (int j = j0; j <= j1; ++j)
-            for (int i = i0; i <= i1; ++i) {
-              const float distance = (centre(i, j, k) - p).squaredNorm();
-              float& least = best[static_cast<std::size_t>(j) * static_cast<std::size_t>(size_.x()) +
-                                  static_cast<std::size_t>(i)];
-              if (distance < least) {
-                least = distance;
-                nearest_[index(i, j, k)] = seed->point;
-              }
+  if (!executor.for_each(
+          static_cast<std::size_t>(size_.z()),
+          [&](std::size_t slab, std::size_t) {
+            const int k = static_cast<int>(slab);
+            std::vector<float> best(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()),
+                                    std::numeric_limits<float>::infinity());
+            auto seed = std::lower_bound(seeds.begin(), seeds.end(), k - radius,
+                                         [](const Seed& s, int z) { return s.cell.z() < z; });
+            for (; seed != seeds.end() && seed->cell.z() <= k + radius; ++seed) {
+              const Eigen::Vector3f& p = points_[static_cast<std::size_t>(seed->point)];
+              const int j0 = std::max(0, seed->cell.y() - radius),
+                        j1 = std::min(size_.y() - 1, seed->cell.y() + radius);
+              const int i0 = std::max(0, seed->cell.x() - radius),
+                        i1 = std::min(size_.x() - 1, seed->cell.x() + radius);
+              for (int j = j0; j <= j1; ++j)
+                for (int i = i0; i <= i1; ++i) {
+                  const float distance = (centre(i, j, k) - p).squaredNorm();
+                  float& least = best[static_cast<std::size_t>(j) * static_cast<std::size_t>(size_.x()) +
+                                      static_cast<std::size_t>(i)];
+                  if (distance < least) {
+                    least = distance;
+                    nearest_[index(i, j, k)] = seed->point;
+                  }
+                }
             }
-        }
-      },
-      StopCondition());
+          },
+          stop))
+    throw Interrupted();
 }
 
 const Eigen::Vector3f* NearestTable::lookup(const Eigen::Vector3f& world) const {

@@ -14,8 +14,9 @@ namespace perch {
 /// count.
 class NearestTable {
  public:
-  /// \param reach how far from I a query may lie, metres.
-  NearestTable(const Observation& observation, double reach, const Executor& executor);
+  /// \param reach how far from I a query may lie, metres. Throws Interrupted.
+  NearestTable(const Observation& observation, double reach, const Executor& executor,
+               const StopCondition& stop = StopCondition());
 
   /// The point of I (world frame), or nullptr where none lies within about reach.
   const Eigen::Vector3f* lookup(const Eigen::Vector3f& world) const;

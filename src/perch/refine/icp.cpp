@@ -17,7 +17,7 @@ void RefineSettings::check() const {
       throw InvalidSetting(
           fmt::format("refine.{} is {}; it must lie between {} and {}{}", field, value, low, high, unit));
   };
-  if (reach) in_range("reach", *reach, 1e-6, 1.0, " metres");
+  if (reach) in_range("reach", *reach, 1e-6, largest_reach, " metres");
   in_range("rounds", rounds, 1, 100, "");
   in_range("iterations", iterations, 1, 1000, "");
   in_range("samples", samples, 10, 1e6, "");

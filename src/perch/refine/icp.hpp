@@ -14,6 +14,8 @@ namespace perch {
 enum class RefineMethod { none, icp };
 
 struct RefineSettings {
+  static constexpr double largest_reach = 0.2;  ///< metres
+
   RefineMethod method = RefineMethod::icp;
   std::optional<double> reach;  ///< farthest correspondence, metres; half the grid step where not set
   int rounds = 2;               ///< times that the object is rendered again and aligned
