@@ -13,6 +13,22 @@ if(PERCH_SANITIZE)
   target_link_options(perch_options INTERFACE -fsanitize=${PERCH_SANITIZE})
 endif()
 
+# The headers that take longest to read, read once for all libraries and once for all tests.
+function(perch_precompile target)
+  file(WRITE ${PROJECT_BINARY_DIR}/precompiled/${target}.cpp "")
+  add_library(${target} STATIC ${PROJECT_BINARY_DIR}/precompiled/${target}.cpp)
+  target_link_libraries(${target} PRIVATE perch_options Eigen3::Eigen fmt::fmt)
+endfunction()
+perch_precompile(perch_precompiled)
+target_precompile_headers(perch_precompiled PRIVATE
+  <Eigen/Geometry> <fmt/format.h> <algorithm> <cmath> <functional> <map> <memory> <optional> <string> <vector>)
+if(PERCH_TESTS)
+  perch_precompile(perch_precompiled_tests)
+  target_link_libraries(perch_precompiled_tests PRIVATE GTest::gtest GTest::gmock)
+  target_precompile_headers(perch_precompiled_tests PRIVATE
+    <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h> <algorithm> <cmath> <functional> <map> <memory> <optional> <string> <vector>)
+endif()
+
 function(perch_layer name)
   cmake_parse_arguments(L "" "" "SOURCES;DEPENDS;LINK;PRIVATE_LINK" ${ARGN})
   list(TRANSFORM L_DEPENDS PREPEND perch::)
@@ -20,6 +36,7 @@ function(perch_layer name)
     add_library(perch_${name} STATIC ${L_SOURCES})
     set(scope PUBLIC)
     target_link_libraries(perch_${name} PRIVATE $<BUILD_INTERFACE:perch_options> ${L_PRIVATE_LINK})
+    target_precompile_headers(perch_${name} REUSE_FROM perch_precompiled)
   else()
     add_library(perch_${name} INTERFACE)
     set(scope INTERFACE)
@@ -43,7 +60,10 @@ function(perch_test target)
     set(T_TIMEOUT 300)
   endif()
   add_executable(${target} ${T_SOURCES})
-  target_link_libraries(${target} PRIVATE perch_options ${T_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_precompile_headers(${target} REUSE_FROM perch_precompiled_tests)
+  # What is tested is optimized; the tests themselves need not be, and compile faster so.
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_link_libraries(${target} PRIVATE perch_options ${T_LINK} Eigen3::Eigen fmt::fmt GTest::gtest GTest::gmock GTest::gtest_main)
   # One process a test. Suites whose names end in Heavy get the label `heavy`: too slow for sanitizers.
   gtest_discover_tests(${target} TEST_FILTER "-*Heavy.*" DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT ${T_TIMEOUT} LABELS "${T_LABELS}")

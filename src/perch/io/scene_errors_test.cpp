@@ -42,7 +42,7 @@ TEST_F(SceneErrors, Files) {
   EXPECT_THAT(refusal("hello"), HasSubstr("\"hello\""));
   EXPECT_THAT(refusal("version: 1\ncamera: {intrinsics: {width"), HasSubstr("is not YAML or is cut short"));
   EXPECT_THAT(refusal(scene_text + "---\n" + scene_text), HasSubstr("2 YAML documents"));
-  EXPECT_THAT(refusal(std::string((16 << 20) + 1, '#')), HasSubstr("more than the 16777216"));
+  EXPECT_THAT(refusal(std::string((4 << 20) + 1, '#')), HasSubstr("more than the 4194304"));
   EXPECT_THAT(refusal(std::string(100000, '[')), HasSubstr("scene.yaml"));
   EXPECT_THAT(refusal(std::string("a: ") + std::string(100000, '{')), HasSubstr("scene.yaml"));
   std::string dashes;

@@ -14,7 +14,7 @@
 namespace perch {
 namespace {
 
-constexpr std::uintmax_t largest_file = std::uintmax_t{16} << 20;
+constexpr std::uintmax_t largest_file = std::uintmax_t{4} << 20;
 
 /// The number that the whole text spells, not finite where it spells infinity, NaN or something beyond
 /// double.

@@ -20,7 +20,7 @@ class YamlFields;
 /// For use inside io.
 class YamlEntry {
  public:
-  /// The root of the one document in a file of at most 16 MB.
+  /// The root of the one document in a file of at most 4 MB.
   static YamlEntry read(const std::filesystem::path& file);
 
   [[noreturn]] void fail(const std::string& what_and_remedy) const;
