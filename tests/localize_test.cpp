@@ -52,7 +52,7 @@ nlohmann::json without_timings(const Result& result) {
   return json;
 }
 
-TEST(Localize, FindsCleanScenes) {
+TEST(LocalizeHeavy, FindsCleanScenes) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const SimulatedScene simulated = random_tabletop(seed, clean(3));
@@ -206,7 +206,7 @@ TEST(Faults, ALimitIsKeptInsideABatchAndTheBoundIsReported) {
 }
 
 // Fault: image size and depth range are compiled in.
-TEST(Faults, AnyImageSizeAndDepthRange) {
+TEST(FaultsHeavy, AnyImageSizeAndDepthRange) {
   for (const auto& [width, height] : {std::pair{37, 53}, std::pair{200, 90}}) {
     SimulatedScene simulated = random_tabletop(61, clean(2, width, height));
     const SerialExecutor executor;

@@ -63,7 +63,7 @@ std::vector<Case> cases() {
 
 // Random descents: edges add up to the flat J of the goal, no prefix and no bound exceeds it, bounds never
 // fall.
-TEST(SceneTree, EdgesAddUpToTheFlatCost) {
+TEST(SceneTreeHeavy, EdgesAddUpToTheFlatCost) {
   int goals = 0;
   for (const Case& c : cases()) {
     PERCH_TRACE(c);
@@ -100,7 +100,7 @@ TEST(SceneTree, EdgesAddUpToTheFlatCost) {
 }
 
 // h of a state never exceeds what is left to the best goal below it, by enumeration of all goals.
-TEST(SceneTree, BoundsHoldForEveryGoalBelow) {
+TEST(SceneTreeHeavy, BoundsHoldForEveryGoalBelow) {
   for (const Case& c : cases()) {
     PERCH_TRACE(c);
     SmallProblem small(c.seed, c.noise, c.refine, 2, c.repeats);
@@ -177,7 +177,7 @@ TEST(LagrangianBoundHeavy, HoldsForEveryCollisionFreeScene) {
   }
 }
 
-TEST(FirstScenes, AreWhatTheySay) {
+TEST(FirstScenesHeavy, AreWhatTheySay) {
   for (const Case& c : cases()) {
     PERCH_TRACE(c);
     SmallProblem small(c.seed, c.noise, c.refine, c.objects, c.repeats);

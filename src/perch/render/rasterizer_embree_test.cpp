@@ -289,9 +289,9 @@ Mesh read_mesh(const std::filesystem::path& path) {
 }
 
 /// One folder of the test data, with all below it.
-class RasterizerOnData : public testing::TestWithParam<const char*> {};
+class RasterizerOnDataHeavy : public testing::TestWithParam<const char*> {};
 
-TEST_P(RasterizerOnData, AgreesWithEmbree) {
+TEST_P(RasterizerOnDataHeavy, AgreesWithEmbree) {
   const char* data = std::getenv("PERCH_TEST_DATA");
   if (!data) GTEST_SKIP() << "PERCH_TEST_DATA does not name a folder of test data";
   const std::filesystem::path folder = std::filesystem::path(data) / GetParam();
@@ -305,7 +305,7 @@ TEST_P(RasterizerOnData, AgreesWithEmbree) {
     expect_agreement(read_mesh(paths[i]), paths[i].lexically_relative(folder).string(), i);
 }
 
-INSTANTIATE_TEST_SUITE_P(Folders, RasterizerOnData,
+INSTANTIATE_TEST_SUITE_P(Folders, RasterizerOnDataHeavy,
                          testing::Values("models", "sim/models", "sim_clean/models", "sim_chess/models",
                                          "chess", "real"));
 
