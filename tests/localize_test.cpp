@@ -65,7 +65,7 @@ TEST(LocalizeHeavy, FindsCleanScenes) {
   }
 }
 
-TEST(Localize, ScoreAgreesWithTheResult) {
+TEST(LocalizeHeavy, ScoreAgreesWithTheResult) {
   for (std::uint64_t seed = 11; seed <= 13; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     TabletopOptions options = clean(3);
