@@ -1,12 +1,14 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <cstdint>
 #include <vector>
 
 #include "perch/core/camera.hpp"
 #include "perch/model/mesh.hpp"
 #include "perch/render/depth_patch.hpp"
+#include "perch/render/pixel_cells.hpp"
+#include "perch/render/projection.hpp"
+#include "perch/render/triangle_drawing.hpp"
 
 namespace perch {
 
@@ -28,22 +30,15 @@ class Rasterizer {
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
  private:
-  /// A vertex in the camera frame and where it projects, pixels.
-  struct Vertex {
-    Eigen::Vector3f point;
-    float u, v;
-  };
-
-  Vertex project(const Eigen::Vector3f& point) const;
-  void clip_and_draw(const std::array<Eigen::Vector3f, 3>& corners, const Window& window);
-  void draw(const Vertex& a, const Vertex& b, const Vertex& c, const Window& window);
+  /// Replaces the triangles that reach in front of the near plane by what is left of them.
+  void clip(const Mesh& mesh);
 
   Intrinsics intrinsics_;
-  std::vector<float> ray_x_, ray_y_;  ///< slopes of the pixels' rays; x padded to whole blocks
-  std::vector<Vertex> vertices_;
-  std::vector<float>
-      inverse_depth_;  ///< the window while it is drawn, rows padded to whole blocks; 0 = nothing
-  std::size_t pitch_ = 0;
+  std::vector<float> ray_x_, ray_y_;  ///< slopes of the pixels' rays
+  std::vector<ProjectedVertex> vertices_;
+  std::vector<TriangleDrawing::Triangle> clipped_;
+  PixelCells cells_;  ///< the window while it is drawn
+  TriangleDrawing drawing_;
 };
 
 }  // namespace perch

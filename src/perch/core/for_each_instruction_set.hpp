@@ -1,0 +1,49 @@
+// Compiles the file PERCH_KERNELS once for each instruction set, in namespaces of their own. No include guard:
+// a source file defines PERCH_KERNELS, includes this once, and calls a kernel by PERCH_CALL. What the kernels
+// need of the standard library is included before. Results are the same on all: no fused multiply-add
+// (-ffp-contract=off), and the same operations in the same order.
+//
+// Not target_clones: it takes vectors apart for the oldest processor before it makes the clones.
+
+#include "perch/core/instruction_set.hpp"
+
+namespace perch {
+namespace {
+
+namespace baseline {
+#include "perch/core/lanes.inc"
+#include PERCH_KERNELS
+}  // namespace baseline
+
+#ifdef PERCH_INSTRUCTION_SETS
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v3")
+namespace x86_64_v3 {
+#include "perch/core/lanes.inc"
+#include PERCH_KERNELS
+}  // namespace x86_64_v3
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v4")
+namespace x86_64_v4 {
+#include "perch/core/lanes.inc"
+#include PERCH_KERNELS
+}  // namespace x86_64_v4
+#pragma GCC pop_options
+#endif
+
+}  // namespace
+}  // namespace perch
+
+/// Calls the kernel compiled for the instruction set in use.
+#ifdef PERCH_INSTRUCTION_SETS
+#define PERCH_CALL(kernel, ...)                                            \
+  (::perch::instruction_set() == ::perch::InstructionSet::x86_64_v4        \
+       ? ::perch::x86_64_v4::kernel(__VA_ARGS__)                           \
+       : ::perch::instruction_set() == ::perch::InstructionSet::x86_64_v3  \
+             ? ::perch::x86_64_v3::kernel(__VA_ARGS__)                     \
+             : ::perch::baseline::kernel(__VA_ARGS__))
+#else
+#define PERCH_CALL(kernel, ...) ::perch::baseline::kernel(__VA_ARGS__)
+#endif
