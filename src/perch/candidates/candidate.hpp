@@ -5,22 +5,10 @@
 
 #include "perch/core/pose.hpp"
 #include "perch/observation/point_set.hpp"
+#include "perch/observation/run.hpp"
 #include "perch/render/depth_patch.hpp"
 
 namespace perch {
-
-/// Numbers first .. last - 1 of a set that is kept as runs.
-struct Run {
-  std::uint32_t first = 0, last = 0;
-};
-
-/// Adds a number larger than all before it.
-inline void append(std::vector<Run>& runs, std::uint32_t number) {
-  if (!runs.empty() && runs.back().last == number)
-    ++runs.back().last;
-  else
-    runs.push_back({number, number + 1});
-}
 
 /// One object at one pose, valued as if it stood alone. Occlusion by others only removes rendered points, so
 /// in any scene it explains no point of I outside `explained`.

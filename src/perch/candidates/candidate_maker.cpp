@@ -6,10 +6,7 @@
 
 namespace perch {
 CandidateMaker::CandidateMaker(const LocalizationProblem& problem)
-    : problem_(problem),
-      rasterizer_(problem.observation().intrinsics()),
-      all_points_(problem.observation().size()),
-      nothing_(problem.cost().empty()) {}
+    : problem_(problem), rasterizer_(problem.observation().intrinsics()), lone_cost_(problem.cost()) {}
 
 void CandidateMaker::render(std::size_t model, const Pose& pose) {
   const ThreadStopwatch watch;
@@ -56,31 +53,18 @@ Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const Dept
 
 Candidate CandidateMaker::value_rendered(std::size_t model, const Pose& pose) {
   const ThreadStopwatch watch;
-  const Observation& observation = problem_.observation();
-  problem_.cost().change(nothing_, patch_, change_);
+  lone_cost_.value(patch_, lone_value_);
   Candidate candidate;
   candidate.model = model;
   candidate.pose = pose;
   candidate.window = patch_.window;
-  candidate.points = change_.points;
-  candidate.unexplained = change_.unexplained;
-  candidate.explained_count = static_cast<std::int64_t>(change_.gained.size());
-  for (const std::uint32_t i : change_.gained) all_points_.insert(i);
-  candidate.explained = all_points_.trimmed();
-  for (const std::uint32_t i : change_.gained) all_points_.erase(i);
-  for (const std::uint32_t i : change_.gained) append(candidate.explained_runs, i);
-
-  const float delta = static_cast<float>(problem_.settings().cost.delta);
-  const auto width = static_cast<std::uint32_t>(observation.intrinsics().width);
-  for (int v = patch_.window.v0; v < patch_.window.v1; ++v)
-    for (int u = patch_.window.u0; u < patch_.window.u1; ++u) {
-      const float z = patch_.at(u, v);
-      if (!(z < no_surface) || change_.appears.contains(u, v) || !problem_.cost().counts_at(u, v)) continue;
-      const float observed = observation.depth(u, v);
-      candidate.exposed += !(observed > 0.0F && observed < z - delta);
-      if (problem_.cost().index().unexplained_throughout(u, v, z, z))
-        append(candidate.certain_runs, static_cast<std::uint32_t>(v) * width + static_cast<std::uint32_t>(u));
-    }
+  candidate.points = lone_value_.points;
+  candidate.unexplained = lone_value_.unexplained;
+  candidate.exposed = lone_value_.exposed;
+  candidate.explained_count = lone_value_.explained_count;
+  candidate.explained = PointSet(lone_value_.explained);
+  candidate.explained_runs = lone_value_.explained;
+  candidate.certain_runs = lone_value_.certain;
   if (candidate.explained_count > 0) candidate.patch = patch_;
   seconds_.cost += watch.seconds();
   return candidate;

@@ -5,6 +5,7 @@
 
 #include "perch/candidates/candidate.hpp"
 #include "perch/candidates/problem.hpp"
+#include "perch/cost/lone_cost.hpp"
 #include "perch/render/rasterizer.hpp"
 
 namespace perch {
@@ -49,8 +50,8 @@ class CandidateMaker {
   Rasterizer rasterizer_;
   DepthPatch patch_;
   CostChange change_;
-  PointSet all_points_;
-  Composite nothing_;
+  LoneCost lone_cost_;
+  LoneValue lone_value_;
   std::vector<SurfaceSample> samples_;
   StageSeconds seconds_;
 };

@@ -60,6 +60,7 @@ class ExplanationCost {
   CostCounts counts_with(const Composite& composite, const DepthPatch& patch, CostChange& scratch) const;
   void add(Composite& composite, const DepthPatch& patch, CostChange& scratch) const;
 
+  bool counts_everywhere() const { return missing_depth_ == MissingDepth::unexplained; }
   /// False where a rendered point is left out of R: an unknown pixel, where these are ignored.
   bool counts_at(int u, int v) const {
     return missing_depth_ == MissingDepth::unexplained || observation_.state(u, v) != PixelState::unknown;

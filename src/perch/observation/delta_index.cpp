@@ -40,7 +40,8 @@ DeltaIndex::DeltaIndex(const Observation& observation, double delta, const Execu
     : observation_(observation),
       delta_(delta),
       delta_squared_(static_cast<float>(delta) * static_cast<float>(delta)),
-      windows_(observation.size()) {
+      windows_(observation.size()),
+      rows_(observation) {
   const Intrinsics& intrinsics = observation.intrinsics();
   if (!executor.for_each(
           static_cast<std::size_t>(intrinsics.height),
@@ -121,21 +122,26 @@ DeltaIndex::DeltaIndex(const Observation& observation, double delta, const Execu
     for (const std::uint32_t count : row.counts) first_.push_back(first_.back() + count);
     intervals_.insert(intervals_.end(), row.intervals.begin(), row.intervals.end());
   }
+  for (int v = covered_.v0; v < covered_.v1; ++v)
+    for (int u = covered_.u0; u < covered_.u1; ++u) {
+      const std::size_t pixel = rows_.row(v) + static_cast<std::size_t>(u);
+      if (const Interval* first = interval_from(u, v, 0.0F)) {
+        rows_.first_low[pixel] = first->low;
+        rows_.last_high[pixel] = intervals_[first_[pixel_number(u, v) + 1] - 1].high;
+      }
+    }
 }
 
 const DeltaIndex::Interval* DeltaIndex::interval_from(int u, int v, float z) const {
   if (!covered_.contains(u, v)) return nullptr;
-  const std::size_t pixel =
-      static_cast<std::size_t>(v - covered_.v0) * static_cast<std::size_t>(covered_.width()) +
-      static_cast<std::size_t>(u - covered_.u0);
+  const std::size_t pixel = pixel_number(u, v);
   for (std::uint32_t i = first_[pixel]; i < first_[pixel + 1]; ++i)
     if (intervals_[i].high >= z) return &intervals_[i];
   return nullptr;
 }
 
 bool DeltaIndex::explained(int u, int v, float z) const {
-  const Interval* interval = interval_from(u, v, z);
-  return interval != nullptr && interval->low <= z && near_observed(u, v, z);
+  return may_be_explained(u, v, z) && near_observed(u, v, z);
 }
 
 bool DeltaIndex::unexplained_throughout(int u, int v, float z, float reach) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "perch/observation/observation.hpp"
+#include "perch/observation/pixel_rows.hpp"
 #include "perch/parallel/executor.hpp"
 
 namespace perch {
@@ -37,6 +38,13 @@ class DeltaIndex {
   bool explained(int u, int v, float z) const;
   /// True only if no point of the pixel's ray at a depth in [z - reach, z] is within delta of a point of I.
   bool unexplained_throughout(int u, int v, float z, float reach) const;
+  /// False only if explained() is.
+  bool may_be_explained(int u, int v, float z) const {
+    const Interval* interval = interval_from(u, v, z);
+    return interval != nullptr && interval->low <= z;
+  }
+  const Observation& observation() const { return observation_; }
+  const PixelRows& rows() const { return rows_; }
   /// ball_window of the i-th point of I.
   const Window& window(std::size_t i) const { return windows_[i]; }
   /// No point's window reaches more rows or columns than this from its own pixel.
@@ -49,6 +57,10 @@ class DeltaIndex {
   /// The first interval of the pixel that ends at or after z, or nullptr.
   const Interval* interval_from(int u, int v, float z) const;
   bool near_observed(int u, int v, float z) const;
+  std::size_t pixel_number(int u, int v) const {
+    return static_cast<std::size_t>(v - covered_.v0) * static_cast<std::size_t>(covered_.width()) +
+           static_cast<std::size_t>(u - covered_.u0);
+  }
 
   const Observation& observation_;
   double delta_;
@@ -58,6 +70,7 @@ class DeltaIndex {
   Window covered_;                    ///< outside it no ray comes near a point of I
   std::vector<std::uint32_t> first_;  ///< of each pixel of covered_, and one past the last
   std::vector<Interval> intervals_;
+  PixelRows rows_;
 };
 
 }  // namespace perch

@@ -23,6 +23,24 @@ PERCH_DISPATCH std::size_t count_bits_not_in(const std::uint64_t* words, const s
 
 }  // namespace
 
+PointSet::PointSet(const std::vector<Run>& runs) {
+  if (runs.empty()) return;
+  first_ = runs.front().first / 64;
+  words_.assign((runs.back().last - 1) / 64 - first_ + 1, 0);
+  for (const Run& run : runs) {
+    const std::size_t from = run.first / 64 - first_, to = (run.last - 1) / 64 - first_;
+    const std::uint64_t head = ~std::uint64_t{0} << (run.first % 64),
+                        tail = ~std::uint64_t{0} >> (63 - (run.last - 1) % 64);
+    if (from == to) {
+      words_[from] |= head & tail;
+      continue;
+    }
+    words_[from] |= head;
+    for (std::size_t word = from + 1; word < to; ++word) words_[word] = ~std::uint64_t{0};
+    words_[to] |= tail;
+  }
+}
+
 void PointSet::clear() {
   std::fill(words_.begin(), words_.end(), 0);
 }

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "perch/observation/run.hpp"
+
 namespace perch {
 
 /// A set of points of I, one bit a point; a candidate's set is stored from its first non-zero word to its
@@ -13,6 +15,9 @@ class PointSet {
   PointSet() = default;
   /// All points of I, none in the set.
   explicit PointSet(std::size_t points) : words_((points + 63) / 64, 0) {}
+
+  /// The points of these runs, ascending, in as little memory as they need.
+  explicit PointSet(const std::vector<Run>& runs);
 
   /// Only on a set made for all points.
   void insert(std::size_t i) { words_[i / 64] |= std::uint64_t{1} << (i % 64); }

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "perch/cost/explanation_cost.hpp"
+#include "perch/observation/run.hpp"
+#include "perch/render/depth_patch.hpp"
+
+namespace perch {
+
+/// The cost of an object as if it stood alone.
+struct LoneValue {
+  std::int64_t points = 0;       ///< rendered points that count
+  std::int64_t unexplained = 0;  ///< of these, unexplained by I
+  std::int64_t exposed = 0;      ///< of those, the ones that no nearer observed point could be hiding
+  std::int64_t explained_count = 0;
+  std::vector<Run> explained;  ///< points of I within delta of its rendered points
+  /// Pixels (row-major) whose point is unexplained, and so is every point nearer on the ray.
+  std::vector<Run> certain;
+};
+
+/// Values objects alone: the counts of ExplanationCost::change on an empty composite, to the point, in one
+/// pass over the rendered pixels and one over the points of I around them, several at a time. Holds scratch
+/// memory: one a thread.
+class LoneCost {
+ public:
+  explicit LoneCost(const ExplanationCost& cost) : cost_(cost) {}
+
+  /// Writes into `value`, whose memory is reused.
+  void value(const DepthPatch& patch, LoneValue& value);
+
+ private:
+  void load(const DepthPatch& patch);
+
+  const ExplanationCost& cost_;
+  Window area_;  ///< pixels whose points the patch may explain
+  std::size_t pitch_ = 0;
+  std::vector<float> rendered_;            ///< depths in area_; after the first pass only explained ones
+  std::vector<float> nearest_, farthest_;  ///< explained depths around each block of pixels
+  std::vector<float> row_nearest_, row_farthest_;
+};
+
+}  // namespace perch
