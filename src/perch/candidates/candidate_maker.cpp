@@ -11,22 +11,31 @@ CandidateMaker::CandidateMaker(const LocalizationProblem& problem)
 void CandidateMaker::render(std::size_t model, const Pose& pose) {
   const ThreadStopwatch watch;
   problem_.render(model, pose, rasterizer_, patch_);
+  sparse_ = false;
+  seconds_.render += watch.seconds();
+}
+
+void CandidateMaker::render_samples(std::size_t model, const Pose& pose) {
+  const ThreadStopwatch watch;
+  sparse_ =
+      rasterizer_.render_samples(problem_.models()[model].mesh(), problem_.camera_from_model(model, pose),
+                                 problem_.settings().refine.samples, crosses_, patch_);
   seconds_.render += watch.seconds();
 }
 
 std::optional<Candidate> CandidateMaker::make(std::size_t model, const Pose& grid_pose,
                                               const DepthPatch* in_front) {
-  render(model, grid_pose);
-  if (patch_.covered() == 0) return std::nullopt;
-  Pose pose = grid_pose;
-  if (problem_.nearest() != nullptr) pose = refine(model, grid_pose, in_front);
-  if (patch_.covered() == 0) return std::nullopt;
+  if (problem_.nearest() == nullptr) return value(model, grid_pose);
+  render_samples(model, grid_pose);
+  if (!sparse_ && !patch_.any()) return std::nullopt;
+  const Pose pose = refine(model, grid_pose, in_front);
+  if (!patch_.any()) return std::nullopt;
   return value_rendered(model, pose);
 }
 
 std::optional<Candidate> CandidateMaker::value(std::size_t model, const Pose& pose) {
   render(model, pose);
-  if (patch_.covered() == 0) return std::nullopt;
+  if (!patch_.any()) return std::nullopt;
   return value_rendered(model, pose);
 }
 
@@ -37,7 +46,10 @@ Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const Dept
   Pose pose = grid_pose;
   for (int round = 0; round < settings.refine.rounds; ++round) {
     const ThreadStopwatch watch;
-    sample_patch(patch_, in_front, problem_.observation(), settings.refine, samples_);
+    if (sparse_)
+      sample_crosses(crosses_, in_front, problem_.observation(), settings.refine, samples_);
+    else
+      sample_patch(patch_, in_front, problem_.observation(), settings.refine, samples_);
     Pose moved = align(samples_, pose, symmetry.is_continuous(), *problem_.nearest(), settings.icp_reach(),
                        settings.refine);
     moved.x = std::clamp(moved.x, workspace.x_min, workspace.x_max);
@@ -46,8 +58,13 @@ Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const Dept
     seconds_.refine += watch.seconds();
     if (moved == pose) break;
     pose = moved;
-    render(model, pose);
+    const bool last = round + 1 == settings.refine.rounds;
+    if (last)
+      render(model, pose);
+    else
+      render_samples(model, pose);
   }
+  if (sparse_) render(model, pose);
   return pose;
 }
 

@@ -43,12 +43,17 @@ class CandidateMaker {
 
  private:
   void render(std::size_t model, const Pose& pose);
+  /// Renders what ICP samples.
+  void render_samples(std::size_t model, const Pose& pose);
+  /// \return the pose, whose whole rendering is in patch_.
   Pose refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front);
   Candidate value_rendered(std::size_t model, const Pose& pose);
 
   const LocalizationProblem& problem_;
   Rasterizer rasterizer_;
   DepthPatch patch_;
+  DepthCrosses crosses_;
+  bool sparse_ = false;  ///< the last rendering is in crosses_, not in patch_
   CostChange change_;
   LoneCost lone_cost_;
   LoneValue lone_value_;

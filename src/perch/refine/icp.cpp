@@ -25,37 +25,77 @@ void RefineSettings::check() const {
   in_range("occlusion", occlusion, 0.0, 10.0, " metres");
 }
 
-void sample_patch(const DepthPatch& patch, const DepthPatch* in_front, const Observation& observation,
-                  const RefineSettings& settings, std::vector<SurfaceSample>& samples) {
-  samples.clear();
-  const Window& window = patch.window;
-  if (window.width() < 3 || window.height() < 3) return;
+namespace {
+
+/// A rendered pixel's depth and those of its neighbours.
+struct Cross {
+  float middle, left, right, up, down;
+};
+
+/// \param cross_at gives the cross of pixel (u, v), column i and row j of the samples.
+template <typename CrossAt>
+void sample(const Window& window, int stride, const CrossAt& cross_at, const DepthPatch* in_front,
+            const Observation& observation, const RefineSettings& settings,
+            std::vector<SurfaceSample>& samples) {
   const Eigen::Isometry3f world_from_camera = observation.camera().world_from_camera.cast<float>();
   const RaySlopes& rays = observation.rays();
-  const double area = static_cast<double>(window.width()) * window.height();
-  const int stride = std::max(1, static_cast<int>(std::sqrt(area / settings.samples)));
   const float occlusion = static_cast<float>(settings.occlusion);
-  for (int v = window.v0 + 1; v < window.v1 - 1; v += stride)
-    for (int u = window.u0 + 1; u < window.u1 - 1; u += stride) {
-      const float z = patch.at(u, v);
+  for (int v = window.v0 + 1, j = 0; v < window.v1 - 1; v += stride, ++j)
+    for (int u = window.u0 + 1, i = 0; u < window.u1 - 1; u += stride, ++i) {
+      const Cross cross = cross_at(u, v, i, j);
+      const float z = cross.middle;
       if (!(z < no_surface) || (in_front != nullptr && in_front->at_or_none(u, v) < z)) continue;
       const float observed = observation.depth(u, v);
       if (observed > 0.0F && z - observed > occlusion) continue;
-      const float left = patch.at(u - 1, v), right = patch.at(u + 1, v), up = patch.at(u, v - 1),
-                  down = patch.at(u, v + 1);
       // A neighbour much nearer or farther lies on another surface: its difference says nothing of this one's
       // normal.
       const float jump = 0.05F * z;
       const auto usable = [&](float other) { return std::abs(other - z) < jump; };
-      if (!usable(left) || !usable(right) || !usable(up) || !usable(down)) continue;
-      const Eigen::Vector3f horizontal = rays.point(u + 1, v, right) - rays.point(u - 1, v, left);
-      const Eigen::Vector3f vertical = rays.point(u, v + 1, down) - rays.point(u, v - 1, up);
+      if (!usable(cross.left) || !usable(cross.right) || !usable(cross.up) || !usable(cross.down)) continue;
+      const Eigen::Vector3f horizontal = rays.point(u + 1, v, cross.right) - rays.point(u - 1, v, cross.left);
+      const Eigen::Vector3f vertical = rays.point(u, v + 1, cross.down) - rays.point(u, v - 1, cross.up);
       const Eigen::Vector3f normal = vertical.cross(horizontal);  // turned to the camera
       const float length = normal.norm();
       if (!(length > 0.0F)) continue;
       samples.push_back(
           {world_from_camera * rays.point(u, v, z), world_from_camera.linear() * (normal / length)});
     }
+}
+
+/// The greatest distance of a sample from the object's axis.
+double longest_arm(const std::vector<SurfaceSample>& samples, const Pose& pose) {
+  const auto x = [&](const SurfaceSample& s) { return static_cast<double>(s.point.x()) - pose.x; };
+  const auto y = [&](const SurfaceSample& s) { return static_cast<double>(s.point.y()) - pose.y; };
+  double most = 0.0;
+  for (const SurfaceSample& s : samples) most = std::max(most, x(s) * x(s) + y(s) * y(s));
+  // hypot is exact to the last bit, and slow: only for those that can be the greatest.
+  double arm = 0.0;
+  for (const SurfaceSample& s : samples)
+    if (x(s) * x(s) + y(s) * y(s) >= most * (1.0 - 1e-12)) arm = std::max(arm, std::hypot(x(s), y(s)));
+  return arm;
+}
+
+}  // namespace
+
+void sample_patch(const DepthPatch& patch, const DepthPatch* in_front, const Observation& observation,
+                  const RefineSettings& settings, std::vector<SurfaceSample>& samples) {
+  samples.clear();
+  const auto cross_at = [&](int u, int v, int, int) -> Cross {
+    return {patch.at(u, v), patch.at(u - 1, v), patch.at(u + 1, v), patch.at(u, v - 1), patch.at(u, v + 1)};
+  };
+  sample(patch.window, sample_stride(patch.window, settings.samples), cross_at, in_front, observation,
+         settings, samples);
+}
+
+void sample_crosses(const DepthCrosses& crosses, const DepthPatch* in_front, const Observation& observation,
+                    const RefineSettings& settings, std::vector<SurfaceSample>& samples) {
+  samples.clear();
+  const auto cross_at = [&](int, int, int i, int j) -> Cross {
+    const float* depth = crosses.at(i, j);
+    return {depth[DepthCrosses::middle], depth[DepthCrosses::left], depth[DepthCrosses::right],
+            depth[DepthCrosses::up], depth[DepthCrosses::down]};
+  };
+  sample(crosses.window, crosses.stride, cross_at, in_front, observation, settings, samples);
 }
 
 Pose align(const std::vector<SurfaceSample>& samples, const Pose& pose, bool fix_yaw,
@@ -66,10 +106,7 @@ Pose align(const std::vector<SurfaceSample>& samples, const Pose& pose, bool fix
       1e-2;  // of the points' weight: holds what the visible surface leaves undetermined
   const float reach_squared = static_cast<float>(reach * reach);
   const float scale = static_cast<float>(settings.robust_scale);
-  double arm = 0.0;
-  for (const SurfaceSample& s : samples)
-    arm = std::max(arm, std::hypot(static_cast<double>(s.point.x()) - pose.x,
-                                   static_cast<double>(s.point.y()) - pose.y));
+  const double arm = longest_arm(samples, pose);
   if (arm == 0.0) return pose;
 
   Pose moved = pose;

@@ -7,6 +7,7 @@
 #include "perch/core/pose.hpp"
 #include "perch/observation/nearest_table.hpp"
 #include "perch/observation/observation.hpp"
+#include "perch/render/depth_crosses.hpp"
 #include "perch/render/depth_patch.hpp"
 
 namespace perch {
@@ -39,6 +40,10 @@ struct SurfaceSample {
 /// that hide the patch (the parent scene), or nullptr.
 void sample_patch(const DepthPatch& patch, const DepthPatch* in_front, const Observation& observation,
                   const RefineSettings& settings, std::vector<SurfaceSample>& samples);
+
+/// The same from a rendering of the sampled pixels only.
+void sample_crosses(const DepthCrosses& crosses, const DepthPatch* in_front, const Observation& observation,
+                    const RefineSettings& settings, std::vector<SurfaceSample>& samples);
 
 /// ICP in (x, y, yaw): moves the samples of an object at `pose` onto I by point-to-plane distances along the
 /// samples' normals with the robust weight 1 / (1 + |e| / robust_scale) (Chen and Medioni 1992; weight of the

@@ -9,6 +9,10 @@ std::size_t DepthPatch::covered() const {
       std::count_if(depth.begin(), depth.end(), [](float z) { return z < no_surface; }));
 }
 
+bool DepthPatch::any() const {
+  return std::any_of(depth.begin(), depth.end(), [](float z) { return z < no_surface; });
+}
+
 DepthPatch compose(const std::vector<const DepthPatch*>& patches) {
   DepthPatch composite;
   for (const DepthPatch* patch : patches) composite.window = bounding(composite.window, patch->window);

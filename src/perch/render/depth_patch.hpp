@@ -27,6 +27,7 @@ struct DepthPatch {
   }
   /// Number of pixels that show a surface.
   std::size_t covered() const;
+  bool any() const;
 };
 
 /// The nearest surface of all the patches, in the smallest window that holds them.

@@ -28,32 +28,67 @@ DepthPatch Rasterizer::render(const Mesh& mesh, const Eigen::Isometry3d& camera_
 }
 
 void Rasterizer::render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, DepthPatch& patch) {
+  draw(project_mesh(mesh, camera_from_model), patch);
+}
+
+Window Rasterizer::project_mesh(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model) {
   const ProjectedBounds bounds =
       project_all(mesh.vertices, camera_from_model, intrinsics_, near_plane, vertices_);
-  // A mesh that reaches behind the near plane may cover any part of the image.
+  const bool all_behind = bounds.u_min > bounds.u_max;
+  if (all_behind) return {};
+  triangles_ = &mesh.triangles;
+  if (bounds.crosses_near) {
+    // It may cover any part of the image.
+    clip(mesh);
+    triangles_ = &clipped_;
+    return intrinsics_.window();
+  }
   const auto pixel = [](float x, int limit) {
     return static_cast<int>(std::clamp(x, -1.0F, static_cast<float>(limit) + 1.0F));
   };
-  patch.window = intrinsics_.window();
-  if (!bounds.crosses_near)
-    patch.window = intersection(patch.window, {pixel(std::ceil(bounds.u_min), intrinsics_.width),
-                                               pixel(std::ceil(bounds.v_min), intrinsics_.height),
-                                               pixel(std::floor(bounds.u_max), intrinsics_.width) + 1,
-                                               pixel(std::floor(bounds.v_max), intrinsics_.height) + 1});
-  const bool all_behind = bounds.u_min > bounds.u_max;
-  if (all_behind || patch.window.empty()) {
+  return intersection(intrinsics_.window(), {pixel(std::ceil(bounds.u_min), intrinsics_.width),
+                                             pixel(std::ceil(bounds.v_min), intrinsics_.height),
+                                             pixel(std::floor(bounds.u_max), intrinsics_.width) + 1,
+                                             pixel(std::floor(bounds.v_max), intrinsics_.height) + 1});
+}
+
+void Rasterizer::draw(const Window& window, DepthPatch& patch) {
+  if (window.empty()) {
     patch.window = {};
     patch.depth.clear();
     return;
   }
-  const Window& window = patch.window;
-  if (bounds.crosses_near) clip(mesh);
+  patch.window = window;
   cells_.lay_out(PixelCells::tile, (window.width() + 3) / 4, (window.height() + 1) / 2, window.u0, window.v0,
                  4, 2, ray_x_, ray_y_);
-  drawing_.draw(vertices_, bounds.crosses_near ? clipped_ : mesh.triangles, window, cells_);
+  drawing_.draw(vertices_, *triangles_, window, cells_);
   patch.depth.resize(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()));
   PERCH_CALL(unpack, cells_.inverse_depth.data(), cells_.rows, window.width(), window.height(),
              patch.depth.data());
+}
+
+bool Rasterizer::render_samples(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, int samples,
+                                DepthCrosses& crosses, DepthPatch& patch) {
+  constexpr int least_stride = 4;  // a cross takes as long as a tile, which has eight pixels
+  const Window window = project_mesh(mesh, camera_from_model);
+  const int stride = sample_stride(window, samples);
+  if (window.empty() || stride < least_stride) {
+    draw(window, patch);
+    return false;
+  }
+  const auto count = [&](int size) { return std::max(0, (size - 2 + stride - 1) / stride); };
+  crosses.window = window;
+  crosses.stride = stride;
+  crosses.columns = count(window.width());
+  crosses.rows = count(window.height());
+  cells_.lay_out(PixelCells::cross, crosses.columns, crosses.rows, window.u0 + 1, window.v0 + 1, stride,
+                 stride, ray_x_, ray_y_);
+  if (!cells_.inverse_depth.empty()) drawing_.draw(vertices_, *triangles_, window, cells_);
+  crosses.depth.resize(cells_.inverse_depth.size());
+  if (PERCH_CALL(invert, cells_.inverse_depth.data(), crosses.depth.size(), crosses.depth.data()))
+    return true;
+  draw(window, patch);  // nothing there: the whole says whether anything is in view
+  return false;
 }
 
 void Rasterizer::clip(const Mesh& mesh) {

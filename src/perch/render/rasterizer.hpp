@@ -5,6 +5,7 @@
 
 #include "perch/core/camera.hpp"
 #include "perch/model/mesh.hpp"
+#include "perch/render/depth_crosses.hpp"
 #include "perch/render/depth_patch.hpp"
 #include "perch/render/pixel_cells.hpp"
 #include "perch/render/projection.hpp"
@@ -27,9 +28,18 @@ class Rasterizer {
   void render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, DepthPatch& patch);
   DepthPatch render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model);
 
+  /// Renders what sampling with sample_stride(window, samples) reads. Where that is much less than all, only
+  /// these pixels are drawn, into `crosses`, to the same depths, and true is returned; else all of it is,
+  /// into `patch`.
+  bool render_samples(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, int samples,
+                      DepthCrosses& crosses, DepthPatch& patch);
+
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
  private:
+  /// Projects the mesh. Returns its window in the image; empty where nothing is in view.
+  Window project_mesh(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model);
+  void draw(const Window& window, DepthPatch& patch);
   /// Replaces the triangles that reach in front of the near plane by what is left of them.
   void clip(const Mesh& mesh);
 
@@ -37,7 +47,8 @@ class Rasterizer {
   std::vector<float> ray_x_, ray_y_;  ///< slopes of the pixels' rays
   std::vector<ProjectedVertex> vertices_;
   std::vector<TriangleDrawing::Triangle> clipped_;
-  PixelCells cells_;  ///< the window while it is drawn
+  const std::vector<TriangleDrawing::Triangle>* triangles_ = nullptr;  ///< of the mesh, or clipped_
+  PixelCells cells_;                                                   ///< the window while it is drawn
   TriangleDrawing drawing_;
 };
 
