@@ -144,6 +144,38 @@ TEST(Icp, LeavesOutHiddenPoints) {
   EXPECT_LT(std::abs(found.yaw - truth.yaw), 0.04);
 }
 
+TEST(Icp, SamplesTheSameOfARenderingOfTheSampledPixelsOnly) {
+  Bench bench;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const Pose pose{random.uniform(-0.3, 0.3), random.uniform(-0.1, 0.1), random.uniform(-3, 3)};
+    const DepthPatch seen = bench.render(wedge(), {0.0, 0.0, 0.4}), patch = bench.render(wedge(), pose);
+    const DepthPatch in_front = bench.render(round_can(), {pose.x + 0.02, pose.y - 0.09, 0.0});
+    const Observation observation(bench.view, Bench::image_of({&seen}, bench.view.intrinsics), std::nullopt);
+    bench.settings.samples = 100;
+    DepthCrosses crosses;
+    DepthPatch whole;
+    if (!bench.rasterizer.render_samples(wedge(),
+                                         bench.view.world_from_camera.inverse() * world_from_model(pose, 0.0),
+                                         bench.settings.samples, crosses, whole))
+      continue;
+    for (const DepthPatch* front : {static_cast<const DepthPatch*>(nullptr), &in_front}) {
+      std::vector<SurfaceSample> expected, found;
+      sample_patch(patch, front, observation, bench.settings, expected);
+      sample_crosses(crosses, front, observation, bench.settings, found);
+      ASSERT_EQ(found.size(), expected.size());
+      if (front == nullptr) {
+        EXPECT_GT(found.size(), 20U);
+      }
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_EQ(found[i].point, expected[i].point);
+        EXPECT_EQ(found[i].normal, expected[i].normal);
+      }
+    }
+  }
+}
+
 TEST(Icp, StaysWhereNothingIsNear) {
   Bench bench;
   const DepthPatch seen = bench.render(wedge(), {-0.15, 0.0, 0.0});

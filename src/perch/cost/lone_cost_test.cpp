@@ -1,0 +1,83 @@
+// The fast valuation of a lone object against the general one, on every instruction set of this processor.
+
+#include "perch/cost/lone_cost.hpp"
+
+#include <gtest/gtest.h>
+
+#include "perch/core/instruction_set.hpp"
+#include "perch/cost/random_scene_test_support.hpp"
+
+namespace perch {
+namespace {
+
+std::vector<std::uint32_t> numbers(const std::vector<Run>& runs) {
+  std::vector<std::uint32_t> all;
+  for (const Run& run : runs) {
+    EXPECT_LT(run.first, run.last);
+    for (std::uint32_t i = run.first; i < run.last; ++i) all.push_back(i);
+  }
+  return all;
+}
+
+class LoneCostTest : public testing::Test {
+ protected:
+  void TearDown() override { use_instruction_set(InstructionSet::x86_64_v4); }
+
+  /// Returns how many points of I the patches explain.
+  static std::size_t compare(const RandomScene& scene, MissingDepth missing) {
+    const SerialExecutor executor;
+    const Observation observation(scene.camera, scene.depth, scene.mask);
+    const DeltaIndex index(observation, scene.delta, executor);
+    const ExplanationCost cost(observation, index, missing);
+    std::size_t explained = 0;
+    for (const DepthPatch& patch : scene.patches) {
+      CostChange change;
+      cost.change(cost.empty(), patch, change);
+      std::int64_t exposed = 0;
+      std::vector<std::uint32_t> certain;
+      for (int v = patch.window.v0; v < patch.window.v1; ++v)
+        for (int u = patch.window.u0; u < patch.window.u1; ++u) {
+          const float z = patch.at(u, v), seen = observation.depth(u, v);
+          if (!(z < no_surface) || change.appears.contains(u, v) || !cost.counts_at(u, v)) continue;
+          exposed += !(seen > 0.0F && seen < z - static_cast<float>(scene.delta));
+          if (index.unexplained_throughout(u, v, z, z))
+            certain.push_back(static_cast<std::uint32_t>(v * observation.intrinsics().width + u));
+        }
+      for (const InstructionSet set :
+           {InstructionSet::baseline, InstructionSet::x86_64_v3, InstructionSet::x86_64_v4}) {
+        use_instruction_set(set);
+        LoneCost lone(cost);
+        LoneValue value;
+        lone.value(scene.patches.back(), value);  // leaves something in the scratch memory
+        lone.value(patch, value);
+        EXPECT_EQ(value.points, change.points);
+        EXPECT_EQ(value.unexplained, change.unexplained);
+        EXPECT_EQ(value.exposed, exposed);
+        EXPECT_EQ(value.explained_count, static_cast<std::int64_t>(change.gained.size()));
+        EXPECT_EQ(numbers(value.explained), change.gained);
+        EXPECT_EQ(numbers(value.certain), certain);
+        const PointSet set_of(value.explained);
+        EXPECT_EQ(set_of.count(), change.gained.size());
+        for (const std::uint32_t i : change.gained) EXPECT_TRUE(set_of.contains(i));
+      }
+      explained += change.gained.size();
+    }
+    return explained;
+  }
+};
+
+TEST_F(LoneCostTest, EqualsTheGeneralCount) {
+  std::size_t explained = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    for (const MissingDepth missing : {MissingDepth::unexplained, MissingDepth::ignore}) {
+      explained += compare(random_scene(seed), missing);
+      if (seed <= 60) explained += compare(random_scene(seed, 4), missing);
+    }
+    ASSERT_FALSE(testing::Test::HasFailure());
+  }
+  EXPECT_GT(explained, 10000U);
+}
+
+}  // namespace
+}  // namespace perch
