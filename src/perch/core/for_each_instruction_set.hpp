@@ -1,11 +1,15 @@
-// Compiles the file PERCH_KERNELS once for each instruction set, in namespaces of their own. No include guard:
-// a source file defines PERCH_KERNELS, includes this once, and calls a kernel by PERCH_CALL. What the kernels
-// need of the standard library is included before. Results are the same on all: no fused multiply-add
+// Compiles the file PERCH_KERNELS once for each instruction set, in namespaces of their own. No include
+// guard: a source file defines PERCH_KERNELS, includes this once, and calls a kernel by PERCH_CALL. What the
+// kernels need of the standard library is included before. Results are the same on all: no fused multiply-add
 // (-ffp-contract=off), and the same operations in the same order.
 //
 // Not target_clones: it takes vectors apart for the oldest processor before it makes the clones.
 
 #include "perch/core/instruction_set.hpp"
+
+#ifdef PERCH_INSTRUCTION_SETS
+#include <immintrin.h>
+#endif
 
 namespace perch {
 namespace {
@@ -38,12 +42,12 @@ namespace x86_64_v4 {
 
 /// Calls the kernel compiled for the instruction set in use.
 #ifdef PERCH_INSTRUCTION_SETS
-#define PERCH_CALL(kernel, ...)                                            \
-  (::perch::instruction_set() == ::perch::InstructionSet::x86_64_v4        \
-       ? ::perch::x86_64_v4::kernel(__VA_ARGS__)                           \
-       : ::perch::instruction_set() == ::perch::InstructionSet::x86_64_v3  \
-             ? ::perch::x86_64_v3::kernel(__VA_ARGS__)                     \
-             : ::perch::baseline::kernel(__VA_ARGS__))
+#define PERCH_CALL(kernel, ...)                                       \
+  (::perch::instruction_set() == ::perch::InstructionSet::x86_64_v4   \
+       ? ::perch::x86_64_v4::kernel(__VA_ARGS__)                      \
+   : ::perch::instruction_set() == ::perch::InstructionSet::x86_64_v3 \
+       ? ::perch::x86_64_v3::kernel(__VA_ARGS__)                      \
+       : ::perch::baseline::kernel(__VA_ARGS__))
 #else
 #define PERCH_CALL(kernel, ...) ::perch::baseline::kernel(__VA_ARGS__)
 #endif

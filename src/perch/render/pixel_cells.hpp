@@ -11,16 +11,14 @@ namespace perch {
 /// The pixels that a rendering is made of, in cells of lane_count pixels that are drawn together. Cell (i, j)
 /// lies at column origin_u + i step_u and row origin_v + j step_v; all cells have the same shape.
 struct PixelCells {
-  /// Where the pixels of a cell lie from its place, and the blocks of cells for which the farthest surface is
-  /// kept.
+  /// Where the pixels of a cell lie from its place.
   struct Shape {
     std::array<int, lane_count> u, v;
     int low_u, high_u, low_v, high_v;  ///< bounds of u and v
-    int block_shift_u, block_shift_v;  ///< 1 << this: cells of a block, across and down
   };
-  static constexpr Shape tile{{0, 1, 2, 3, 0, 1, 2, 3}, {0, 0, 0, 0, 1, 1, 1, 1}, 0, 3, 0, 1, 1, 2};
+  static constexpr Shape tile{{0, 1, 2, 3, 0, 1, 2, 3}, {0, 0, 0, 0, 1, 1, 1, 1}, 0, 3, 0, 1};
   /// A pixel, its left, right, upper and lower neighbour; the rest repeats the pixel.
-  static constexpr Shape cross{{0, -1, 1, 0, 0, 0, 0, 0}, {0, 0, 0, -1, 1, 0, 0, 0}, -1, 1, -1, 1, 0, 0};
+  static constexpr Shape cross{{0, -1, 1, 0, 0, 0, 0, 0}, {0, 0, 0, -1, 1, 0, 0, 0}, -1, 1, -1, 1};
 
   /// Lays out empty cells. Ray slopes are those of the nearest pixel in the image where a cell reaches beyond
   /// it.

@@ -61,7 +61,7 @@ void Rasterizer::draw(const Window& window, DepthPatch& patch) {
   patch.window = window;
   cells_.lay_out(PixelCells::tile, (window.width() + 3) / 4, (window.height() + 1) / 2, window.u0, window.v0,
                  4, 2, ray_x_, ray_y_);
-  drawing_.draw(vertices_, *triangles_, window, cells_);
+  draw_triangles(vertices_, *triangles_, window, cells_);
   patch.depth.resize(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()));
   PERCH_CALL(unpack, cells_.inverse_depth.data(), cells_.rows, window.width(), window.height(),
              patch.depth.data());
@@ -83,7 +83,7 @@ bool Rasterizer::render_samples(const Mesh& mesh, const Eigen::Isometry3d& camer
   crosses.rows = count(window.height());
   cells_.lay_out(PixelCells::cross, crosses.columns, crosses.rows, window.u0 + 1, window.v0 + 1, stride,
                  stride, ray_x_, ray_y_);
-  if (!cells_.inverse_depth.empty()) drawing_.draw(vertices_, *triangles_, window, cells_);
+  if (!cells_.inverse_depth.empty()) draw_triangles(vertices_, *triangles_, window, cells_);
   crosses.depth.resize(cells_.inverse_depth.size());
   if (PERCH_CALL(invert, cells_.inverse_depth.data(), crosses.depth.size(), crosses.depth.data()))
     return true;
@@ -93,7 +93,7 @@ bool Rasterizer::render_samples(const Mesh& mesh, const Eigen::Isometry3d& camer
 
 void Rasterizer::clip(const Mesh& mesh) {
   clipped_.clear();
-  for (const TriangleDrawing::Triangle& triangle : mesh.triangles) {
+  for (const Triangle& triangle : mesh.triangles) {
     std::array<std::uint32_t, 4> polygon{};
     std::size_t n = 0;
     for (std::size_t i = 0; i < 3; ++i) {

@@ -46,10 +46,9 @@ class Rasterizer {
   Intrinsics intrinsics_;
   std::vector<float> ray_x_, ray_y_;  ///< slopes of the pixels' rays
   std::vector<ProjectedVertex> vertices_;
-  std::vector<TriangleDrawing::Triangle> clipped_;
-  const std::vector<TriangleDrawing::Triangle>* triangles_ = nullptr;  ///< of the mesh, or clipped_
-  PixelCells cells_;                                                   ///< the window while it is drawn
-  TriangleDrawing drawing_;
+  std::vector<Triangle> clipped_;
+  const std::vector<Triangle>* triangles_ = nullptr;  ///< of the mesh, or clipped_
+  PixelCells cells_;                                  ///< the window while it is drawn
 };
 
 }  // namespace perch

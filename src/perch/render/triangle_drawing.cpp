@@ -4,12 +4,9 @@
 #include <cstring>
 
 #include "perch/core/instruction_set.hpp"
-#include "perch/render/depth_patch.hpp"
 
 namespace perch {
 namespace {
-
-using Triangle = TriangleDrawing::Triangle;
 
 /// What the drawing of one mesh goes by.
 struct Frame {
@@ -21,9 +18,6 @@ struct Frame {
   int columns, rows;
   const float *u, *slope_x, *v, *slope_y;  ///< lanes of the columns and rows of cells
   float* cells;                            ///< lanes of the cells
-  int block_shift_u, block_shift_v;        ///< 1 << this: cells of a block
-  int blocks_across, blocks_down;
-  float* farthest;  ///< of each block
 };
 
 }  // namespace
@@ -34,13 +28,9 @@ struct Frame {
 
 namespace perch {
 
-void TriangleDrawing::draw(const std::vector<ProjectedVertex>& vertices,
-                           const std::vector<Triangle>& triangles, const Window& window, PixelCells& cells) {
+void draw_triangles(const std::vector<ProjectedVertex>& vertices, const std::vector<Triangle>& triangles,
+                    const Window& window, PixelCells& cells) {
   const auto number = [](int i) { return static_cast<float>(i); };
-  const int across = ((cells.columns - 1) >> cells.shape.block_shift_u) + 1,
-            down = ((cells.rows - 1) >> cells.shape.block_shift_v) + 1;
-  farthest_.resize(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
-  later_.resize(triangles.size() + lane_count);
   const Frame frame{vertices.data(),
                     triangles.data(),
                     number(window.u0),
@@ -61,13 +51,8 @@ void TriangleDrawing::draw(const std::vector<ProjectedVertex>& vertices,
                     cells.slope_x.data(),
                     cells.v.data(),
                     cells.slope_y.data(),
-                    cells.inverse_depth.data(),
-                    cells.shape.block_shift_u,
-                    cells.shape.block_shift_v,
-                    across,
-                    down,
-                    farthest_.data()};
-  PERCH_CALL(draw_all, frame, static_cast<std::uint32_t>(triangles.size()), later_.data());
+                    cells.inverse_depth.data()};
+  PERCH_CALL(draw_all, frame, static_cast<std::uint32_t>(triangles.size()));
 }
 
 }  // namespace perch
