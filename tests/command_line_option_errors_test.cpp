@@ -35,9 +35,16 @@ TEST_F(OptionRefusals, ValuesOutOfRange) {
     }
 }
 
-TEST_F(OptionRefusals, WhatIsNotBuiltIsNamed) {
-  refused({"--search", "branch-and-bound"}, {"--search", "branch-and-bound is not built yet", "focal-mha"});
-  refused({"--set", "search.method=branch-and-bound"}, {"branch-and-bound is not built yet"});
+TEST_F(OptionRefusals, WhatNeedsFixedCandidatesIsRefusedInContext) {
+  refused({"--search", "branch-and-bound", "--candidates", "context"},
+          {"search.method is branch-and-bound", "--candidates fixed", "--search focal-mha"});
+  refused({"--set", "search.method=branch-and-bound", "--set", "search.candidates=context"},
+          {"search.method is branch-and-bound", "--candidates fixed"});
+  refused({"--exhaustive", "--candidates", "context"}, {"search.exhaustive is true", "--candidates fixed"});
+  refused({"--exhaustive", "--candidates", "context", "--search", "focal-mha"}, {"--candidates fixed"});
+  refused({"--set", "search.exhaustive=true", "--candidates", "context"}, {"--candidates fixed"});
+  write(folder() / "context.yaml", "search: {candidates: context, method: branch-and-bound}\n");
+  refused({"--settings", "context.yaml"}, {"search.method is branch-and-bound", "--candidates fixed"});
 }
 
 TEST_F(OptionRefusals, AGridTooFineSaysHowManyPoses) {
@@ -85,7 +92,9 @@ TEST_F(OptionRefusals, SettingsFiles) {
       {"cost: {delta: -1}", {"cost.delta", "-1"}},
       {"cost: {delta: [0.005]}", {"cost.delta", "no single value"}},
       {"cost: {delta:}", {"cost.delta"}},
-      {"search: {method: branch-and-bound}", {"search.method", "not built yet"}},
+      {"search: {method: exhaustive}", {"search.method", "branch-and-bound", "focal-mha"}},
+      {"search: {anytime: 1}", {"search.anytime", "true or false"}},
+      {"search: {exhaustive: yes}", {"search.exhaustive", "true or false"}},
       {"cost.delta: 0.005\ncost.delta: 0.006", {"cost.delta", "given twice"}},
       {"cost.delta: 0.005\ncost: {delta: 0.006}", {"cost.delta", "given twice"}},
       {"? [a]\n: 1\n", {"plain word"}},

@@ -94,8 +94,20 @@ TEST_F(SceneRefusals, Objects) {
   std::string many = "objects: [can";
   for (int i = 0; i < 1000; ++i) many += ", can";
   line_refused("objects:", many + "]", {"objects", "1001"});
-  line_refused("objects:", "objects: [{model: can, optional: true}]",
-               {"objects[0]", "optional objects are not built yet"});
+  const auto object = [&](const std::string& entry, const Words& words) {
+    line_refused("objects:", "objects: [mug, " + entry + "]", words);
+  };
+  object("{model: can, optional: 1}",
+         {"objects[1].optional", "\"1\"", "true nor false", "give one of these"});
+  object("{model: can, optional: yes}", {"objects[1].optional", "\"yes\"", "true nor false"});
+  object("{model: can, optional: \"yes\"}", {"objects[1].optional", "\"yes\"", "true nor false"});
+  object("{model: can, optional: \"true\"}", {"objects[1].optional", "true nor false"});
+  object("{model: can, optional:}", {"objects[1].optional", "true nor false"});
+  object("{model: can, absent: true}", {"objects[1].absent", "unknown key", "optional"});
+  object("{optional: true}", {"objects[1].model", "is missing", "name a model"});
+  object("{model: cup, optional: true}", {"objects[1].model", "\"cup\"", "known: can, mug"});
+  object("{model: {can: 1}, optional: true}", {"objects[1].model", "a map"});
+  object("[can]", {"objects[1]"});
 }
 
 TEST_F(SceneRefusals, Camera) {
@@ -227,6 +239,63 @@ TEST_F(SceneRefusals, Truth) {
   truth("[{model: mug, x: 0, y: .inf, yaw: 0}]", {"truth[0].y", "not finite"});
   truth("[{model: mug, x: 0, y: 0, yaw: 0, symmetry: 0}]", {"truth[0].symmetry"});
   truth("mug", {"truth", "a list is expected"});
+}
+
+TEST_F(SceneRefusals, Priors) {
+  const auto priors = [&](const std::string& entry, const Words& words) {
+    SCOPED_TRACE(entry);
+    refused(yaml + "priors: " + entry + "\n", words);
+  };
+  priors("[{model: cup, x: 0, y: 0, yaw: 0}]", {"priors[0].model", "\"cup\"", "known: can, mug"});
+  priors("[{model: mug, x: 0, y: 0, yaw: 0}, {model: mug, x: 0, y: 0}]", {"priors[1].yaw", "is missing"});
+  priors("[{model: mug, x: .nan, y: 0, yaw: 0}]", {"priors[0].x", "not finite"});
+  priors("[{model: mug, x: 0, y: 1e999, yaw: 0}]", {"priors[0].y", "not finite"});
+  priors("[{model: mug, x: 0, y: 0, yaw: north}]", {"priors[0].yaw", "not a number"});
+  priors("[{model: mug, x: 0, y: 0, yaw: 0, symmetry: 2}]", {"priors[0].symmetry", "unknown key"});
+  priors("{model: mug, x: 0, y: 0, yaw: 0}", {"priors", "a list is expected"});
+  priors("[mug]", {"priors[0]", "a map is expected"});
+  priors("mug", {"priors", "a list is expected"});
+}
+
+TEST_F(SceneRefusals, PriorFiles) {
+  const auto priors_refused = [&](const std::string& file, Words words) {
+    words.push_back(file);
+    expect_refused(coarse({"localize", "scene.yaml", "--priors", file, "-o", "out"}), words);
+  };
+  const auto text_refused = [&](std::string_view text, const Words& words) {
+    SCOPED_TRACE(text.substr(0, 200));
+    write(folder() / "priors.json", text);
+    priors_refused("priors.json", words);
+  };
+  priors_refused("none.json", {"no such file"});
+  priors_refused("", {"no such file"});
+  priors_refused("models", {"is a directory"});
+  priors_refused("depth.png", {});
+  text_refused("", {"is empty"});
+  text_refused("mug", {"a list is expected", "{model, x, y, yaw}"});
+  text_refused(R"({"model": "mug", "x": 0, "y": 0, "yaw": 0})", {"a list is expected"});
+  text_refused(R"({"priors": []})", {"a list is expected"});
+  text_refused(R"([[{"model": "mug", "x": 0, "y": 0, "yaw": 0}]])", {"[0]", "a map is expected"});
+  text_refused(R"([{"model": "cup", "x": 0, "y": 0, "yaw": 0}])", {"[0].model", "\"cup\"", "no model"});
+  text_refused(R"([{"model": "mug", "x": NaN, "y": 0, "yaw": 0}])", {"[0].x", "not finite"});
+  text_refused(R"([{"model": "mug", "x": .nan, "y": 0, "yaw": 0}])", {"[0].x", "not finite"});
+  text_refused(R"([{"model": "mug", "x": 0, "y": 1e999, "yaw": 0}])", {"[0].y", "not finite"});
+  text_refused(R"([{"model": "mug", "x": 0, "y": null, "yaw": 0}])", {"[0].y", "not a number"});
+  text_refused(R"([{"model": "mug", "x": 0, "y": 0, "yaw": "0"}])", {"[0].yaw", "not a number"});
+  text_refused(R"([{"model": "mug", "x": 0, "y": 0}])", {"[0].yaw", "is missing"});
+  text_refused(R"([{"model": "mug", "x": 0, "y": 0, "yaw": 0, "score": 0.9}])", {"[0].score", "unknown key"});
+  text_refused(R"([{"model": "mug", "x": 0)", {"cut short"});
+  text_refused(std::string(100000, '['), {});
+  text_refused(std::string("\x00\xff\xfe", 3), {});
+}
+
+// The file is checked against every scene before any is worked on: the first one leaves nothing behind.
+TEST_F(SceneRefusals, PriorsThatOneSceneOfTwoDoesNotKnow) {
+  write(folder() / "other.yaml", replaced(replaced(yaml.substr(0, yaml.find("truth:")), "  mug:", "  cup:"),
+                                          "objects: [", "objects: [cup] #"));
+  write(folder() / "priors.json", R"([{"model": "mug", "x": 0, "y": 0, "yaw": 0}])");
+  expect_refused(coarse({"localize", "scene.yaml", "other.yaml", "--priors", "priors.json", "-o", "out"}),
+                 {"priors.json", "[0].model", "mug"});
 }
 
 // Of two scenes the second is broken: the first leaves nothing behind either.

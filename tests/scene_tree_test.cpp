@@ -114,6 +114,44 @@ TEST(SceneTreeHeavy, BoundsHoldForEveryGoalBelow) {
   }
 }
 
+// ICP in context: hypotheses that the parent leaves as they are alone are not refined again. The edges are
+// the ones of a tree that refines every hypothesis at every parent.
+TEST(SceneTreeHeavy, LazyEdgesAreTheEagerOnes) {
+  std::int64_t reused = 0, hypotheses = 0;
+  for (const Case& c : cases()) {
+    PERCH_TRACE(c);
+    SmallProblem small(c.seed, c.noise, c.refine, c.objects, c.repeats);
+    CandidateSet lazy_set(small.problem->models().size()), eager_set(small.problem->models().size());
+    SceneTree lazy =
+        SceneTree::in_context(*small.problem, lazy_set, small.makers, small.executor, small.settings.tree);
+    SceneTree eager =
+        SceneTree::in_context(*small.problem, eager_set, small.makers, small.executor, small.settings.tree);
+    eager.forget_lone_hypotheses();
+    Random random(c.seed);
+    for (int descent = 0; descent < 3; ++descent) {
+      SceneState state = lazy.root();
+      while (!lazy.is_goal(state)) {
+        const auto a = lazy.expand(state, StopCondition()), b = eager.expand(state, StopCondition());
+        ASSERT_EQ(a.edges.size(), b.edges.size());
+        for (std::size_t i = 0; i < a.edges.size(); ++i) {
+          ASSERT_EQ(a.edges[i].state.placed, b.edges[i].state.placed);
+          ASSERT_EQ(a.edges[i].cost, b.edges[i].cost);
+          ASSERT_EQ(a.edges[i].state.bound, b.edges[i].state.bound);
+        }
+        if (a.edges.empty()) break;
+        state = a.edges[random.below(a.edges.size())].state;
+      }
+    }
+    ASSERT_EQ(lazy_set.size(), eager_set.size());
+    for (CandidateId id = 0; id < lazy_set.size(); ++id) ASSERT_EQ(lazy_set[id].pose, eager_set[id].pose);
+    reused += lazy.reused();
+    hypotheses += lazy.hypotheses();
+    EXPECT_EQ(eager.reused(), 0);
+  }
+  EXPECT_GT(reused, hypotheses / 4);
+  EXPECT_LT(reused, hypotheses);
+}
+
 TEST(SceneTreeHeavy, FocalMhaFindsTheEnumeratedOptimum) {
   for (const Case& c : cases()) {
     PERCH_TRACE(c);

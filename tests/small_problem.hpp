@@ -10,7 +10,36 @@
 
 namespace perch {
 
-/// A random scene small enough that every arrangement of its candidates can be tried.
+/// A random scene of few pixels and objects.
+inline SimulatedScene small_tabletop(std::uint64_t seed, bool noise, int objects, bool repeats,
+                                     bool optional = false) {
+  TabletopOptions options;
+  options.min_objects = options.max_objects = objects;
+  options.noise = noise;
+  options.width = 80;
+  options.height = 60;
+  options.least_visible = 0.05;
+  if (repeats) options.models = {"can"};
+  SimulatedScene simulated = random_tabletop(seed, options);
+  simulated.scene.objects.back().optional = optional;
+  return simulated;
+}
+
+/// A grid of few poses.
+inline Settings small_settings(RefineMethod refine) {
+  Settings settings;
+  settings.candidates.grid.resolution = 0.14;
+  settings.candidates.grid.yaw_resolution = 1.6;
+  settings.candidates.cost.delta = 0.008;
+  settings.candidates.refine.method = refine;
+  settings.candidates.refine.reach = 0.05;
+  settings.tree.pixel_tolerance = 2;
+  settings.polish.rounds = 0;  // the answers compared are those of the searches
+  settings.ambiguity.trials = 0;
+  return settings;
+}
+
+/// A scene small enough that every arrangement of its candidates can be tried.
 struct SmallProblem {
   SimulatedScene simulated;
   Settings settings;
@@ -19,24 +48,18 @@ struct SmallProblem {
   std::vector<CandidateMaker> makers;
   CandidateSet set{0};
 
-  SmallProblem(std::uint64_t seed, bool noise, RefineMethod refine, int objects = 3, bool repeats = false) {
-    TabletopOptions options;
-    options.min_objects = options.max_objects = objects;
-    options.noise = noise;
-    options.width = 80;
-    options.height = 60;
-    options.least_visible = 0.05;
-    if (repeats) options.models = {"can"};
-    simulated = random_tabletop(seed, options);
-    settings.candidates.grid.resolution = 0.14;
-    settings.candidates.grid.yaw_resolution = 1.6;
-    settings.candidates.cost.delta = 0.008;
-    settings.candidates.refine.method = refine;
-    settings.candidates.refine.reach = 0.05;
-    settings.tree.pixel_tolerance = 2;
+  SmallProblem(std::uint64_t seed, bool noise, RefineMethod refine, int objects = 3, bool repeats = false,
+               bool optional = false)
+      : SmallProblem(small_tabletop(seed, noise, objects, repeats, optional), small_settings(refine)) {}
+  SmallProblem(SimulatedScene scene, const Settings& with) : simulated(std::move(scene)), settings(with) {
     problem = make_problem(simulated.scene, settings, executor);
     makers = make_makers(*problem, executor);
     set = make_fixed_candidates(*problem, makers, executor, StopCondition()).set;
+    // Enumeration asks for each rendering very often, also for those that explain nothing.
+    for (CandidateId id = 0; id < set.size(); ++id) {
+      const DepthPatch patch = makers.front().patch(set[id]);
+      set[id].patch = patch;
+    }
   }
 
   std::int64_t flat_cost(const std::vector<CandidateId>& placed) {
@@ -48,10 +71,8 @@ struct SmallProblem {
 
   bool collision_free(const std::vector<CandidateId>& placed) const {
     for (std::size_t i = 0; i < placed.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j) {
-        const Candidate &a = set[placed[i]], &b = set[placed[j]];
-        if (problem->collide(a.model, a.pose, b.model, b.pose)) return false;
-      }
+      for (std::size_t j = 0; j < i; ++j)
+        if (problem->collide(set[placed[i]], set[placed[j]])) return false;
     return true;
   }
 

@@ -23,8 +23,8 @@ class SettingsOptions {
  public:
   /// Adds `--settings`, `--set` and a flag for each (flag, field) pair.
   void add_to(CLI::App& command, const std::vector<std::pair<std::string, std::string>>& flags);
-  /// The settings after all options; throws InputError.
-  Settings read() const;
+  /// The settings after all options, those not given as in `base`; throws InputError.
+  Settings read(const Settings& base = {}) const;
 
  private:
   std::optional<std::string> file_;
@@ -47,5 +47,6 @@ auto blaming(const std::string& name, const Work& work) {
 using Run = std::function<int()>;
 void add_localize(CLI::App& app, Run& run);
 void add_score(CLI::App& app, Run& run);
+void add_verify(CLI::App& app, Run& run);  // where it is built
 
 }  // namespace perch::app

@@ -9,6 +9,7 @@
 #include "command.hpp"
 #include "output.hpp"
 #include "perch/core/stopwatch.hpp"
+#include "perch/io/poses_file.hpp"
 #include "perch/io/scene_file.hpp"
 #include "perch/localize/localize.hpp"
 
@@ -18,7 +19,8 @@ namespace {
 struct LocalizeOptions {
   std::vector<std::string> scenes;
   std::string output;
-  bool quiet = false;
+  bool quiet = false, anytime = false, exhaustive = false;
+  std::optional<std::string> priors;
   SettingsOptions settings;
 };
 
@@ -67,34 +69,47 @@ void print_table(const Scene& scene, const Result& result) {
   fmt::print("{}: {}: {}\n", scene.name, status, result.reason);
   if (!result.search_cost) return;
   const auto bound = result.suboptimality_bound();
-  fmt::print("cost {} of {} observed points, lower bound {}, suboptimality bound {}\n", result.cost->cost,
-             result.observed_points, result.lower_bound,
-             bound ? fmt::format("{:.3f}", *bound) : std::string("none"));
+  fmt::print("cost {} of {} observed points\n", result.cost->cost, result.observed_points);
+  fmt::print("search cost {}, lower bound {}, suboptimality bound {}\n", *result.search_cost,
+             result.lower_bound, bound ? fmt::format("{:.3f}", *bound) : std::string("none"));
   fmt::print("{} hypotheses, {} expansions, {:.2f} s on {} threads\n", result.stats.rendered,
              result.stats.expanded, result.stats.seconds.total, result.stats.threads);
   std::size_t width = 6;
   for (const ObjectResult& object : result.objects) width = std::max(width, object.model.size());
-  fmt::print("{:<{}}  {:>8} {:>8} {:>8} {:>8} {:>9}\n", "object", width, "x [m]", "y [m]", "yaw [°]",
-             "visible", "explained");
+  fmt::print("{:<{}}  {:>8} {:>8} {:>8} {:>8} {:>9} {:>10}\n", "object", width, "x [m]", "y [m]", "yaw [°]",
+             "visible", "explained", "confidence");
   for (const ObjectResult& object : result.objects)
-    fmt::print("{:<{}}  {:8.4f} {:8.4f} {:8.1f} {:7.0f}% {:8.0f}%\n", object.model, width, object.pose.x,
-               object.pose.y, object.pose.yaw * degrees, 100.0 * object.visible_fraction,
-               100.0 * object.explained_fraction);
+    if (object.absent)
+      fmt::print("{:<{}}  absent\n", object.model, width);
+    else
+      fmt::print("{:<{}}  {:8.4f} {:8.4f} {:8.1f} {:7.0f}% {:8.0f}% {:>10}\n", object.model, width,
+                 object.pose.x, object.pose.y, object.pose.yaw * degrees, 100.0 * object.visible_fraction,
+                 100.0 * object.explained_fraction,
+                 object.confidence ? fmt::format("{:.2f}", *object.confidence) : std::string("-"));
+}
+
+Scene read_inputs(const std::string& file, const LocalizeOptions& options) {
+  Scene scene = read_scene(file);
+  if (options.priors) scene.priors = read_priors(*options.priors, scene);
+  return scene;
 }
 
 int localize_scenes(const LocalizeOptions& options) {
   const Stopwatch watch;
-  const Settings settings = options.settings.read();
+  Settings settings = options.settings.read();
+  settings.anytime = settings.anytime || options.anytime;
+  settings.exhaustive = settings.exhaustive || options.exhaustive;
+  settings.check_together();
   const auto executor = make_executor(settings.threads);
   const std::size_t n = options.scenes.size();
   if (n > 1)  // A broken one is refused before any other is worked on and written.
-    for (const std::string& scene : options.scenes) read_scene(scene);
+    for (const std::string& scene : options.scenes) read_inputs(scene, options);
   int status = exit_solved;
   for (std::size_t i = 0; i < n; ++i) {
     // Each scene gets its share of what is left of the command's time.
     const double left = (settings.time_limit - watch.seconds()) / static_cast<double>(n - i);
     const StopCondition stop = StopCondition::after(left);
-    const Scene scene = read_scene(options.scenes[i]);
+    const Scene scene = read_inputs(options.scenes[i], options);
     std::optional<Result> result;
     {
       ProgressLine progress(options.quiet);
@@ -123,6 +138,14 @@ void add_localize(CLI::App& app, Run& run) {
   command->add_option("scenes", options->scenes, "scene files (YAML)")->required();
   command->add_option("-o,--output", options->output,
                       "folder for result.json, rendered_depth.png and a picture");
+  command->add_option(
+      "--priors", options->priors,
+      "JSON array of {model, x, y, yaw}: poses that another detector proposes; they guide the "
+      "search, its guarantee stays");
+  command->add_flag("--anytime", options->anytime,
+                    "go on after the first solution until it is proven optimal or the time is up");
+  command->add_flag("--exhaustive", options->exhaustive,
+                    "value every scene instead of searching; for small grids");
   command->add_flag("-q,--quiet", options->quiet, "no progress line and no table");
   options->settings.add_to(*command, {{"--w", "search.w"},
                                       {"--delta", "cost.delta"},

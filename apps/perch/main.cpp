@@ -31,6 +31,9 @@ int main(int argc, char** argv) {
   Run run;
   add_localize(app, run);
   add_score(app, run);
+#ifdef PERCH_HAS_VERIFY
+  add_verify(app, run);
+#endif
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& done) {  // --help, --version

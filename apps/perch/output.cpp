@@ -17,10 +17,13 @@ void write_outputs(const Scene& scene, const Result& result, const Settings& set
   if (result.cost) rendering = render_scene(scene, placed_objects(scene, result), settings, executor);
   OutputSet outputs;
   outputs.add("result.json", to_json(result));
+  outputs.add("trace.jsonl", to_json_lines(result.trace));
   if (rendering)
     outputs.add("rendered_depth.png",
                 encode_png16_gray(counts_from_depth(rendering->depth, scene.depth_scale)));
-  outputs.add("picture.png", draw_picture(scene, result, rendering ? &*rendering : nullptr));
+  Result shown = result;
+  std::erase_if(shown.objects, [](const ObjectResult& object) { return object.absent; });
+  outputs.add("picture.png", draw_picture(scene, shown, rendering ? &*rendering : nullptr));
   outputs.commit(directory);
   // Beside a result without a scene, an older rendering would pass for its own.
   std::error_code ignored;

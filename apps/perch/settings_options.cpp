@@ -34,8 +34,8 @@ void SettingsOptions::add_to(CLI::App& command,
     command.add_option(flags[i].first, values_[i], help_of(flags[i].second));
 }
 
-Settings SettingsOptions::read() const {
-  Settings settings;
+Settings SettingsOptions::read(const Settings& base) const {
+  Settings settings = base;
   if (file_) {
     read_settings(*file_, settings);
     blaming(*file_, [&] { settings.check(); });

@@ -14,7 +14,8 @@ namespace perch {
 /// in any scene it explains no point of I outside `explained`.
 struct Candidate {
   std::size_t model = 0;
-  Pose pose;  ///< after refinement; yaw canonical for the model's symmetry
+  Pose pose;            ///< after refinement; yaw canonical for the model's symmetry
+  bool absent = false;  ///< the object is left out: nothing is rendered, and nothing collides with it
 
   Window window;                     ///< of its rendering
   PointSet explained;                ///< E(c): points of I within delta of its rendered points
@@ -28,6 +29,11 @@ struct Candidate {
   /// B(c): pixels (row-major) that cost one rendered point in every scene with this candidate: unexplained,
   /// and so is every point nearer on the ray, so that whatever hides it is unexplained too.
   std::vector<Run> certain_runs;
+  /// U(c): pixels (row-major) of its other unexplained points: each costs one wherever no explained point of
+  /// another object hides it.
+  std::vector<Run> uncertain_runs;
+  /// H(c): pixels (row-major) of its explained points.
+  std::vector<Run> explained_pixels;
 
   PointSet enclosed;  ///< points of I so deep in its solid that nothing beside it can explain them
   PointSet reached;   ///< points of I in its solid dilated by delta
@@ -35,5 +41,13 @@ struct Candidate {
   /// Its rendering; kept only where it explains something, to save memory. See CandidateMaker::patch.
   DepthPatch patch;
 };
+
+/// An optional object that is left out: it explains nothing and costs nothing.
+inline Candidate absent_candidate(std::size_t model) {
+  Candidate candidate;
+  candidate.model = model;
+  candidate.absent = true;
+  return candidate;
+}
 
 }  // namespace perch

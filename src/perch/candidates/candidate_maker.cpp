@@ -25,6 +25,7 @@ void CandidateMaker::render_samples(std::size_t model, const Pose& pose) {
 
 std::optional<Candidate> CandidateMaker::make(std::size_t model, const Pose& grid_pose,
                                               const DepthPatch* in_front) {
+  seen_ = {};
   if (problem_.nearest() == nullptr) return value(model, grid_pose);
   render_samples(model, grid_pose);
   if (!sparse_ && !patch_.any()) return std::nullopt;
@@ -39,6 +40,31 @@ std::optional<Candidate> CandidateMaker::value(std::size_t model, const Pose& po
   return value_rendered(model, pose);
 }
 
+void CandidateMaker::note_seen() {
+  seen_.window = bounding(seen_.window, sparse_ ? crosses_.window : patch_.window);
+  for (const float z : sparse_ ? crosses_.depth : patch_.depth)
+    if (z < no_surface) seen_.farthest = std::max(seen_.farthest, z);
+}
+
+std::optional<Placing> CandidateMaker::place(const Composite& others, std::size_t model, const Pose& pose,
+                                             bool align) {
+  render(model, pose);
+  if (patch_.covered() == 0) return std::nullopt;
+  Placing placing{pose, {}};
+  if (align && problem_.nearest() != nullptr) {
+    placing.pose = refine(model, pose, &others.depth);
+    if (patch_.covered() == 0) return std::nullopt;
+  }
+  const ThreadStopwatch watch;
+  placing.counts = problem_.cost().counts_with(others, patch_, change_);
+  if (problem_.nearest() != nullptr) {
+    sample_patch(patch_, &others.depth, problem_.observation(), problem_.settings().refine, samples_);
+    placing.residual = mean_residual(samples_, *problem_.nearest(), problem_.settings().cost.delta);
+  }
+  seconds_.cost += watch.seconds();
+  return placing;
+}
+
 Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front) {
   const CandidateSettings& settings = problem_.settings();
   const Workspace& workspace = problem_.workspace(model);
@@ -46,6 +72,7 @@ Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const Dept
   Pose pose = grid_pose;
   for (int round = 0; round < settings.refine.rounds; ++round) {
     const ThreadStopwatch watch;
+    note_seen();
     if (sparse_)
       sample_crosses(crosses_, in_front, problem_.observation(), settings.refine, samples_);
     else
@@ -82,12 +109,15 @@ Candidate CandidateMaker::value_rendered(std::size_t model, const Pose& pose) {
   candidate.explained = PointSet(lone_value_.explained);
   candidate.explained_runs = lone_value_.explained;
   candidate.certain_runs = lone_value_.certain;
+  candidate.uncertain_runs = lone_value_.uncertain;
+  candidate.explained_pixels = lone_value_.shown;
   if (candidate.explained_count > 0) candidate.patch = patch_;
   seconds_.cost += watch.seconds();
   return candidate;
 }
 
 void CandidateMaker::add_volumes(Candidate& candidate) const {
+  if (candidate.absent) return;
   const Observation& observation = problem_.observation();
   const SolidVolume& solid = problem_.models()[candidate.model].solid();
   const Eigen::Isometry3f model_from_camera =
@@ -112,7 +142,7 @@ void CandidateMaker::add_volumes(Candidate& candidate) const {
 }
 
 const DepthPatch& CandidateMaker::patch(const Candidate& candidate) {
-  if (!candidate.patch.window.empty()) return candidate.patch;
+  if (candidate.absent || !candidate.patch.window.empty()) return candidate.patch;
   render(candidate.model, candidate.pose);
   return patch_;
 }

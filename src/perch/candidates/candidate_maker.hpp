@@ -22,6 +22,15 @@ struct StageSeconds {
   }
 };
 
+/// An object put into a composite: where, and J's counts with it.
+struct Placing {
+  Pose pose;
+  CostCounts counts;
+  /// Mean distance of its visible points from I in units of delta, at most 1 each (mean_residual); 1 where
+  /// nothing is refined.
+  double residual = 1.0;
+};
+
 /// Makes candidates: renders, refines, values. Holds scratch memory: one maker a thread.
 class CandidateMaker {
  public:
@@ -31,8 +40,18 @@ class CandidateMaker {
   /// part of it; then valued alone. Empty where no pixel of the object is in view.
   std::optional<Candidate> make(std::size_t model, const Pose& grid_pose,
                                 const DepthPatch* in_front = nullptr);
+  /// Where the last make() looked at its object, to refine and value it: a scene with no surface there nearer
+  /// than `farthest` changes nothing.
+  struct Seen {
+    Window window;
+    float farthest = 0.0F;
+  };
+  const Seen& seen() const { return seen_; }
   /// Values an object at a pose as it is; empty where no pixel is in view.
   std::optional<Candidate> value(std::size_t model, const Pose& pose);
+  /// J's counts with an object added to a composite at a pose as it is or, where `align`, as ICP makes it
+  /// with the composite hiding part of the object; empty where no pixel of it is in view.
+  std::optional<Placing> place(const Composite& others, std::size_t model, const Pose& pose, bool align);
   /// Fills in `enclosed` and `reached`.
   void add_volumes(Candidate& candidate) const;
   /// The candidate's rendering: the one it keeps, or a new one, which holds until the next call.
@@ -45,6 +64,7 @@ class CandidateMaker {
   void render(std::size_t model, const Pose& pose);
   /// Renders what ICP samples.
   void render_samples(std::size_t model, const Pose& pose);
+  void note_seen();
   /// \return the pose, whose whole rendering is in patch_.
   Pose refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front);
   Candidate value_rendered(std::size_t model, const Pose& pose);
@@ -58,6 +78,7 @@ class CandidateMaker {
   LoneCost lone_cost_;
   LoneValue lone_value_;
   std::vector<SurfaceSample> samples_;
+  Seen seen_;
   StageSeconds seconds_;
 };
 

@@ -3,9 +3,9 @@
 namespace perch {
 
 CandidateId CandidateSet::add(Candidate candidate) {
-  const auto [place, is_new] =
-      numbers_.try_emplace({candidate.model, candidate.pose.x, candidate.pose.y, candidate.pose.yaw},
-                           static_cast<CandidateId>(size()));
+  const auto [place, is_new] = numbers_.try_emplace(
+      {candidate.model, candidate.absent, candidate.pose.x, candidate.pose.y, candidate.pose.yaw},
+      static_cast<CandidateId>(size()));
   if (is_new) {
     of_model_[candidate.model].push_back(place->second);
     candidates_.push_back(std::move(candidate));
@@ -22,7 +22,9 @@ std::size_t CandidateSet::bytes() const {
   for (const Candidate& c : candidates_)
     sum += sizeof(Candidate) + c.explained.bytes() + c.enclosed.bytes() + c.reached.bytes() +
            c.patch.depth.size() * sizeof(float) +
-           (c.explained_runs.size() + c.certain_runs.size()) * sizeof(Run);
+           (c.explained_runs.size() + c.certain_runs.size() + c.uncertain_runs.size() +
+            c.explained_pixels.size()) *
+               sizeof(Run);
   return sum;
 }
 
@@ -50,6 +52,7 @@ FixedCandidates make_fixed_candidates(const LocalizationProblem& problem, std::v
     fixed.hypotheses += static_cast<std::int64_t>(poses);
     for (auto& candidate : made)
       if (candidate) fixed.set.add(std::move(*candidate));
+    if (problem.optional(model)) fixed.set.add(absent_candidate(model));
   }
   return fixed;
 }

@@ -15,7 +15,8 @@ namespace perch {
 
 using CandidateId = std::uint32_t;
 
-/// Candidates by number. Two with the same model and the same refined pose, to the bit, are one.
+/// Candidates by number. Two with the same model and the same refined pose, to the bit, are one. A model
+/// whose objects are optional has one more, the absent object, which every absent copy takes.
 class CandidateSet {
  public:
   explicit CandidateSet(std::size_t models) : of_model_(models) {}
@@ -34,7 +35,7 @@ class CandidateSet {
  private:
   std::deque<Candidate> candidates_;
   std::vector<std::vector<CandidateId>> of_model_;
-  std::map<std::tuple<std::size_t, double, double, double>, CandidateId> numbers_;
+  std::map<std::tuple<std::size_t, bool, double, double, double>, CandidateId> numbers_;
 };
 
 /// One maker for each worker of an executor.

@@ -26,12 +26,16 @@ class SceneBuilder {
                std::vector<CandidateMaker>& makers, const Executor& executor, const StopCondition& stop)
       : problem_(problem), set_(set), makers_(makers), executor_(executor), stop_(stop) {}
 
-  /// Object by object, always the one that explains most more than it leaves to be explained; `first` is
-  /// placed first.
-  std::optional<CandidateScene> greedy(std::optional<std::size_t> first) const {
+  /// Object by object, always the one that explains most more than it leaves to be explained, beside what is
+  /// `placed` already; an object of the model `first` comes first.
+  std::optional<CandidateScene> greedy(std::optional<std::size_t> first,
+                                       std::vector<CandidateId> placed = {}) const {
     std::vector<int> left = problem_.copies();
     PointSet covered(problem_.observation().size());
-    std::vector<CandidateId> placed;
+    for (const CandidateId id : placed) {
+      --left[set_[id].model];
+      covered.insert_all(set_[id].explained);
+    }
     while (placed.size() < problem_.object_count()) {
       std::vector<Ranked> ranked;
       for (std::size_t model = 0; model < left.size(); ++model)
@@ -67,9 +71,8 @@ class SceneBuilder {
   }
 
   bool fits(CandidateId id, const std::vector<CandidateId>& placed) const {
-    return std::none_of(placed.begin(), placed.end(), [&](CandidateId other) {
-      return problem_.collide(set_[id].model, set_[id].pose, set_[other].model, set_[other].pose);
-    });
+    return std::none_of(placed.begin(), placed.end(),
+                        [&](CandidateId other) { return problem_.collide(set_[id], set_[other]); });
   }
 
   bool improve(CandidateScene& scene, std::size_t place) const {
@@ -127,20 +130,23 @@ std::int64_t scene_cost(const LocalizationProblem& problem, const CandidateSet& 
 
 std::vector<CandidateScene> first_scenes(const LocalizationProblem& problem, const CandidateSet& set,
                                          std::vector<CandidateMaker>& makers, const Executor& executor,
-                                         const StopCondition& stop) {
+                                         const StopCondition& stop, const std::vector<PriorPose>& priors) {
   const SceneBuilder builder(problem, set, makers, executor, stop);
   std::vector<std::optional<std::size_t>> starts{std::nullopt};
   for (std::size_t model = 0; model < problem.copies().size() && starts.size() < most_starts; ++model)
     if (problem.copies()[model] > 0) starts.push_back(model);
   std::vector<CandidateScene> scenes;
   std::vector<std::vector<CandidateId>> seen;
-  for (const auto& first : starts) {
-    if (stop()) break;
-    auto scene = builder.greedy(first);
-    if (!scene || std::find(seen.begin(), seen.end(), scene->candidates) != seen.end()) continue;
+  const auto start = [&](std::optional<CandidateScene> scene) {
+    if (!scene || std::find(seen.begin(), seen.end(), scene->candidates) != seen.end()) return;
     seen.push_back(scene->candidates);
     builder.improve(*scene);
     scenes.push_back(std::move(*scene));
+  };
+  if (!priors.empty()) start(builder.greedy(std::nullopt, nearest_to_priors(problem, set, priors)));
+  for (const auto& first : starts) {
+    if (stop()) break;
+    start(builder.greedy(first));
   }
   std::sort(scenes.begin(), scenes.end(), [](const CandidateScene& a, const CandidateScene& b) {
     return std::tie(a.cost, a.candidates) < std::tie(b.cost, b.candidates);

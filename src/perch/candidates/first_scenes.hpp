@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "perch/candidates/candidate_set.hpp"
+#include "perch/candidates/priors.hpp"
 
 namespace perch {
 
@@ -20,10 +21,11 @@ std::int64_t scene_cost(const LocalizationProblem& problem, const CandidateSet& 
 
 /// Good scenes to start from: built greedily, object by object, from several first choices, then improved by
 /// exchanging one candidate at a time for another of its model while J falls. No two candidates of a scene
-/// collide. Cheapest first, each once; empty where no collision-free scene was met. The same for every
-/// executor; less when the stop condition strikes.
+/// collide. One more start holds the candidates nearest to the priors. Cheapest first, each once; empty where
+/// no collision-free scene was met. The same for every executor; less when the stop condition strikes.
 std::vector<CandidateScene> first_scenes(const LocalizationProblem& problem, const CandidateSet& set,
                                          std::vector<CandidateMaker>& makers, const Executor& executor,
-                                         const StopCondition& stop);
+                                         const StopCondition& stop,
+                                         const std::vector<PriorPose>& priors = {});
 
 }  // namespace perch

@@ -2,168 +2,203 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numeric>
+#include <utility>
 
 namespace perch {
 namespace {
 
-constexpr int patience = 4;  // iterations without a better bound before the step is halved
-constexpr double least_relaxation = 0.02;
+/// The candidates of the objects, model by model; a model's objects are a slot.
+Covering covering_of(const LocalizationProblem& problem, const CandidateSet& set,
+                     std::vector<CandidateId>& ids) {
+  const Intrinsics& intrinsics = problem.observation().intrinsics();
+  Covering covering;
+  covering.points = problem.observation().size();
+  covering.pixels = static_cast<std::size_t>(intrinsics.width) * static_cast<std::size_t>(intrinsics.height);
+  for (std::size_t model = 0; model < problem.models().size(); ++model) {
+    if (problem.copies()[model] == 0) continue;
+    const auto slot = static_cast<std::uint32_t>(covering.copies.size());
+    covering.copies.push_back(problem.copies()[model]);
+    for (const CandidateId id : set.of_model(model)) {
+      covering.options.push_back({slot, set[id].explained_runs, set[id].certain_runs, set[id].uncertain_runs,
+                                  set[id].explained_pixels});
+      ids.push_back(id);
+    }
+  }
+  return covering;
+}
+
+template <typename T>
+std::vector<T> chosen(const std::vector<T>& values, const std::vector<std::uint32_t>& numbers) {
+  std::vector<T> result;
+  for (const std::uint32_t i : numbers) result.push_back(values[i]);
+  return result;
+}
+
+/// The union of two disjoint sets.
+std::vector<Run> merged(const std::vector<Run>& a, const std::vector<Run>& b) {
+  std::vector<Run> all;
+  std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(all),
+             [](const Run& x, const Run& y) { return x.first < y.first; });
+  return all;
+}
+
+/// Calls `visit` with every way to share out `copies` to `parts`, one each left out; stops where it says no.
+template <typename Visit>
+bool for_each_sharing(int copies, std::size_t parts, Visit visit) {
+  std::vector<int> shares(parts, 0);
+  shares[0] = copies;
+  while (true) {
+    const bool one_each = std::all_of(shares.begin(), shares.end(), [](int n) { return n == 1; });
+    if (!one_each && !visit(shares)) return false;
+    // The next composition in colexicographic order.
+    if (shares.back() == copies) return true;
+    std::size_t first = 0;
+    while (shares[first] == 0) ++first;
+    const int moved = std::exchange(shares[first], 0);
+    shares[0] = moved - 1;
+    ++shares[first + 1];
+  }
+}
 
 }  // namespace
 
 LagrangianBound::LagrangianBound(const LocalizationProblem& problem, const CandidateSet& set)
-    : problem_(problem),
-      set_(set),
-      certain_(set.size()),
-      kept_(set.size(), 0),
-      slot_of_(set.size(), 0),
-      reduced_costs_(set.size()),
-      mu_(problem.observation().size(), one),
-      mu_sums_(mu_.size() + 1, 0) {
-  const auto width = static_cast<std::size_t>(problem.observation().intrinsics().width);
-  Window covered;
-  for (std::size_t model = 0; model < problem.models().size(); ++model)
-    if (problem.copies()[model] > 0)
-      for (const CandidateId id : set.of_model(model)) covered = bounding(covered, set[id].window);
-  if (!covered.empty()) {
-    first_pixel_ = static_cast<std::size_t>(covered.v0) * width;
-    pixels_ = static_cast<std::size_t>(covered.height()) * width;
-  }
-  for (std::size_t model = 0; model < problem.models().size(); ++model) {
-    if (problem.copies()[model] == 0) continue;
-    const std::size_t slot = add_slot(problem.copies()[model]);
-    for (const CandidateId id : set.of_model(model)) {
-      kept_[id] = 1;
-      slot_of_[id] = slot;
-      certain_[id] = set[id].certain_runs;
-    }
-  }
+    : problem_(problem), set_(set), slot_of_(set.size(), 0), lagrangian_(covering_of(problem, set, ids_)) {
+  for (std::size_t i = 0; i < ids_.size(); ++i) slot_of_[ids_[i]] = lagrangian_.covering().options[i].slot;
+  point_of_.resize(lagrangian_.covering().points);
+  pixel_of_.resize(lagrangian_.covering().pixels);
+  std::iota(point_of_.begin(), point_of_.end(), 0U);
+  std::iota(pixel_of_.begin(), pixel_of_.end(), 0U);
+  compact();
 }
 
-std::size_t LagrangianBound::add_slot(int copies) {
-  const Weight share = one / static_cast<Weight>(problem_.object_count());
-  slots_.push_back({copies, std::vector<Weight>(pixels_, share), std::vector<Weight>(pixels_ + 1, 0)});
-  return slots_.size() - 1;
+void LagrangianBound::compact() {
+  const Lagrangian::Left left = lagrangian_.compact();
+  ids_ = chosen(ids_, left.options);
+  point_of_ = chosen(point_of_, left.points);
+  pixel_of_ = chosen(pixel_of_, left.pixels);
 }
 
-std::size_t LagrangianBound::kept_count() const {
-  return static_cast<std::size_t>(std::count(kept_.begin(), kept_.end(), 1));
+std::vector<char> LagrangianBound::kept() const {
+  std::vector<char> kept(set_.size(), 0);
+  for (std::size_t i = 0; i < ids_.size(); ++i) kept[ids_[i]] = lagrangian_.kept(i);
+  return kept;
 }
 
-std::vector<CandidateId> LagrangianBound::left() const {
-  std::vector<CandidateId> ids;
-  for (CandidateId id = 0; id < set_.size(); ++id)
-    if (kept_[id]) ids.push_back(id);
-  return ids;
+std::vector<Lagrangian::Weight> LagrangianBound::point_weights() const {
+  std::vector<Lagrangian::Weight> weights(problem_.observation().size(), Lagrangian::one);
+  for (std::size_t i = 0; i < point_of_.size(); ++i) weights[point_of_[i]] = lagrangian_.point_weight(i);
+  return weights;
 }
 
-void LagrangianBound::sum_up() {
-  for (std::size_t p = 0; p < mu_.size(); ++p) mu_sums_[p + 1] = mu_sums_[p] + mu_[p];
-  for (Slot& slot : slots_)
-    for (std::size_t x = 0; x < slot.nu.size(); ++x) slot.sums[x + 1] = slot.sums[x] + slot.nu[x];
-}
-
-LagrangianBound::Weight LagrangianBound::value(CandidateId id) const {
-  Weight sum = 0;
-  for (const Run& run : set_[id].explained_runs) sum += mu_sums_[run.last] - mu_sums_[run.first];
-  const std::vector<Weight>& sums = slots_[slot_of_[id]].sums;
-  for (const Run& run : certain_[id]) sum -= sums[pixel(run.last)] - sums[pixel(run.first)];
-  return sum;
+ReducedCosts LagrangianBound::reduced_costs() const {
+  std::vector<Lagrangian::Weight> reduced(set_.size(), 0);
+  for (std::size_t i = 0; i < ids_.size(); ++i) reduced[ids_[i]] = lagrangian_.reduced_cost(i);
+  return {lagrangian_.base(), std::move(reduced)};
 }
 
 void LagrangianBound::improve(int iterations, std::int64_t upper_bound, double enough,
                               const Executor& executor, const StopCondition& stop) {
-  constexpr std::size_t batch = 32;
-  std::vector<CandidateId> ids = left();
-  std::vector<Weight> values(set_.size(), 0);
-  int without_gain = 0;
-  double relaxation = 1.0;
-  Weight best_bound = std::numeric_limits<Weight>::min();
-  for (int iteration = 0; iteration < iterations && static_cast<double>(lower_bound_) < enough; ++iteration) {
-    sum_up();
-    const auto value_batch = [&](std::size_t b, std::size_t) {
-      for (std::size_t i = b * batch; i < std::min(ids.size(), (b + 1) * batch); ++i)
-        values[ids[i]] = value(ids[i]);
-    };
-    if (!executor.for_each((ids.size() + batch - 1) / batch, value_batch, stop)) return;
-
-    std::vector<CandidateId> best(slots_.size(), 0);
-    std::vector<char> found(slots_.size(), 0);
-    for (const CandidateId id : ids) {
-      const std::size_t slot = slot_of_[id];
-      if (found[slot] == 0 || values[id] > values[best[slot]]) best[slot] = id;
-      found[slot] = 1;
-    }
-    Weight bound = mu_sums_.back();  // |I| - sum (1 - mu)
-    for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
-      if (slots_[slot].copies == 0) continue;
-      if (found[slot] == 0) {  // no scene is left that costs less than the upper bound
-        lower_bound_ = std::max(lower_bound_, upper_bound);
-        return;
-      }
-      bound -= slots_[slot].copies * values[best[slot]];
-    }
-    lower_bound_ = std::max(lower_bound_, ReducedCosts::count(bound));
-    if (bound > reduced_costs_.base_) {
-      reduced_costs_.base_ = bound;
-      for (const CandidateId id : ids) reduced_costs_.reduced_[id] = values[best[slot_of_[id]]] - values[id];
-    }
-    const std::size_t before = ids.size();
-    std::erase_if(ids, [&](CandidateId id) {
-      const bool drop = bound + values[best[slot_of_[id]]] - values[id] > (upper_bound - 1) * one;
-      if (drop) kept_[id] = 0;
-      return drop;
-    });
-    if (bound > best_bound || ids.size() < before) {
-      best_bound = std::max(best_bound, bound);
-      without_gain = 0;
-    } else if (++without_gain == patience) {
-      without_gain = 0;
-      relaxation *= 0.5;
-      if (relaxation < least_relaxation) return;
-    }
-    const double gap =
-        static_cast<double>(upper_bound) - static_cast<double>(bound) / static_cast<double>(one);
-    if (!step(best, relaxation * std::max(1.0, gap))) return;
-  }
+  lagrangian_.improve(iterations, upper_bound, enough, executor, stop);
+  if (2 * lagrangian_.kept_count() < ids_.size()) compact();
 }
 
-bool LagrangianBound::step(const std::vector<CandidateId>& best, double rise) {
-  // Polyak's step along the subgradient: 1 - (how often a point is explained) for mu; B of the best candidate
-  // for nu.
-  std::vector<int> explained(mu_.size(), 0);
-  double norm = 0.0;
-  for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
-    const int copies = slots_[slot].copies;
-    if (copies == 0) continue;
-    for (const Run& run : set_[best[slot]].explained_runs)
-      for (std::uint32_t p = run.first; p < run.last; ++p) explained[p] += copies;
-    for (const Run& run : certain_[best[slot]])
-      norm += static_cast<double>(copies * copies) * (run.last - run.first);
-  }
-  for (const int times : explained) norm += static_cast<double>((1 - times) * (1 - times));
-  if (norm == 0.0) return false;
-  const auto scaled = [length = rise / norm](int slope) {
-    return static_cast<Weight>(std::clamp(length * slope, -1.0, 1.0) * static_cast<double>(one));
+void LagrangianBound::widen_certain(std::vector<CandidateMaker>& makers, const Executor& executor) {
+  const auto width = static_cast<std::uint32_t>(problem_.observation().intrinsics().width);
+  const auto depth_at = [&](const DepthPatch& patch, std::uint32_t x) {
+    return patch.at(static_cast<int>(pixel_of_[x] % width), static_cast<int>(pixel_of_[x] / width));
   };
-  for (std::size_t p = 0; p < mu_.size(); ++p)
-    mu_[p] = std::clamp<Weight>(mu_[p] + scaled(1 - explained[p]), 0, one);
-  for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
-    const int copies = slots_[slot].copies;
-    if (copies == 0) continue;
-    for (const Run& run : certain_[best[slot]])
-      for (std::uint32_t image_pixel = run.first; image_pixel < run.last; ++image_pixel) {
-        const std::size_t x = pixel(image_pixel);
-        slots_[slot].nu[x] += scaled(copies);
-        Weight total = 0;
-        for (const Slot& other : slots_) total += other.copies * other.nu[x];
-        if (total <= one) continue;
-        for (Slot& other : slots_)  // back to the feasible side; rounded down, it stays there
-          other.nu[x] = static_cast<Weight>(static_cast<__int128>(other.nu[x]) * one / total);
+  const Covering& covering = lagrangian_.covering();
+  const std::vector<int>& copies = covering.copies;
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < ids_.size(); ++i)
+    if (lagrangian_.kept(i)) left.push_back(i);
+  // The nearest explained points that the candidates left of each slot can show at a pixel.
+  std::vector<std::vector<float>> nearest(copies.size(), std::vector<float>(covering.pixels, no_surface));
+  const StopCondition never;
+  executor.for_each(
+      copies.size(),
+      [&](std::size_t slot, std::size_t worker) {
+        for (const std::size_t i : left) {
+          if (covering.options[i].slot != slot || covering.options[i].relieved.empty()) continue;
+          const DepthPatch& patch = makers[worker].patch(set_[ids_[i]]);
+          for (const Run& run : covering.options[i].relieved)
+            for (std::uint32_t x = run.first; x < run.last; ++x)
+              nearest[slot][x] = std::min(nearest[slot][x], depth_at(patch, x));
+        }
+      },
+      never);
+  executor.for_each(
+      left.size(),
+      [&](std::size_t i, std::size_t worker) {
+        const Covering::Option& option = covering.options[left[i]];
+        if (option.uncertain.empty()) return;
+        const DepthPatch& patch = makers[worker].patch(set_[ids_[left[i]]]);
+        std::vector<Run> certain, uncertain;
+        for (const Run& run : option.uncertain)
+          for (std::uint32_t x = run.first; x < run.last; ++x) {
+            const float z = depth_at(patch, x);
+            const auto may_hide = [&] {
+              for (std::size_t slot = 0; slot < copies.size(); ++slot)
+                if ((slot != option.slot ? copies[slot] > 0 : copies[slot] > 1) && nearest[slot][x] < z)
+                  return true;
+              return false;
+            };
+            append(may_hide() ? uncertain : certain, x);
+          }
+        if (!certain.empty())
+          lagrangian_.set_unexplained(left[i], merged(option.certain, certain), std::move(uncertain));
+      },
+      never);
+  lagrangian_.share_pixels();
+}
+
+void LagrangianBound::separate_copies(const std::vector<CandidateId>& known, int iterations,
+                                      std::int64_t upper_bound, const Executor& executor,
+                                      const StopCondition& stop) {
+  constexpr int most_copies = 4;  // 5 copies have 125 other ways to be shared out
+  const std::size_t slots = copies().size();
+  for (std::size_t slot = 0; slot < slots && !stop(); ++slot) {
+    const int copies = this->copies()[slot];
+    std::vector<CandidateId> places;
+    for (const CandidateId id : known)
+      if (this->slot(id) == slot && !set_[id].absent) places.push_back(id);
+    if (copies < 2 || copies > most_copies || places.size() != static_cast<std::size_t>(copies)) continue;
+
+    Lagrangian apart = lagrangian_;
+    std::vector<std::size_t> parts{slot};
+    while (parts.size() < places.size()) parts.push_back(apart.add_slot(0, slot));
+    bool all_placed = true;
+    for (std::size_t i = 0; i < ids_.size(); ++i) {
+      const Candidate& candidate = set_[ids_[i]];
+      if (!apart.kept(i) || apart.covering().options[i].slot != slot) continue;
+      all_placed = all_placed && !candidate.absent;  // one that is left out has no place
+      const auto distance = [&](CandidateId place) {
+        return std::hypot(candidate.pose.x - set_[place].pose.x, candidate.pose.y - set_[place].pose.y);
+      };
+      std::size_t nearest = 0;
+      for (std::size_t p = 1; p < places.size(); ++p)
+        if (distance(places[p]) < distance(places[nearest])) nearest = p;
+      apart.set_slot(i, parts[nearest]);
+    }
+    if (!all_placed) continue;
+
+    const bool closed = for_each_sharing(copies, parts.size(), [&](const std::vector<int>& shares) {
+      Lagrangian trial = apart;
+      for (std::size_t p = 0; p < parts.size(); ++p) {
+        trial.set_copies(parts[p], shares[p]);
+        for (std::size_t i = 0; i < ids_.size(); ++i)
+          if (shares[p] == 0 && trial.covering().options[i].slot == parts[p]) trial.drop(i);
       }
+      trial.improve(iterations, upper_bound, static_cast<double>(upper_bound), executor, stop);
+      return trial.lower_bound() >= upper_bound;
+    });
+    if (!closed) continue;
+    for (const std::size_t part : parts) apart.set_copies(part, 1);
+    lagrangian_ = std::move(apart);
+    for (std::size_t i = 0; i < ids_.size(); ++i) slot_of_[ids_[i]] = lagrangian_.covering().options[i].slot;
   }
-  return true;
 }
 
 }  // namespace perch

@@ -27,7 +27,7 @@ void CandidateSettings::check() const {
 }
 
 LocalizationProblem::LocalizationProblem(Observation observation, std::vector<ObjectModel> models,
-                                         std::vector<std::size_t> objects,
+                                         std::vector<std::size_t> objects, std::vector<char> optional,
                                          const std::optional<Workspace>& workspace,
                                          const CandidateSettings& settings, const Executor& executor,
                                          const StopCondition& stop)
@@ -38,8 +38,10 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
       models_(std::move(models)),
       objects_(std::move(objects)),
       copies_(models_.size(), 0),
+      optional_(std::move(optional)),
       camera_from_world_(observation_.camera().world_from_camera.inverse()) {
   for (const std::size_t model : objects_) ++copies_[model];
+  optional_.resize(models_.size(), 0);
 
   const Eigen::AlignedBox2d seen = footprint(observation_);
   double poses = 0.0;

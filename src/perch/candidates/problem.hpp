@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "perch/candidates/candidate.hpp"
 #include "perch/candidates/grid.hpp"
 #include "perch/cost/explanation_cost.hpp"
 #include "perch/model/collision.hpp"
@@ -35,13 +36,14 @@ struct CandidateSettings {
 class LocalizationProblem {
  public:
   /// \param objects the models present, counting into `models`; repeats allowed, at least one.
+  /// \param optional of each model: its objects may be absent. Empty: none may.
   /// \param workspace derived from I for each model where not given: the bounds of I widened by the model's
   /// radius. Throws InputError where the grid has more poses than memory allows, InvalidSetting for a bad
   /// setting.
   LocalizationProblem(Observation observation, std::vector<ObjectModel> models,
-                      std::vector<std::size_t> objects, const std::optional<Workspace>& workspace,
-                      const CandidateSettings& settings, const Executor& executor,
-                      const StopCondition& stop = StopCondition());
+                      std::vector<std::size_t> objects, std::vector<char> optional,
+                      const std::optional<Workspace>& workspace, const CandidateSettings& settings,
+                      const Executor& executor, const StopCondition& stop = StopCondition());
   LocalizationProblem(const LocalizationProblem&) = delete;
   LocalizationProblem& operator=(const LocalizationProblem&) = delete;
 
@@ -56,6 +58,8 @@ class LocalizationProblem {
   std::size_t object_count() const { return objects_.size(); }
   /// k_m: how many copies of each model are present.
   const std::vector<int>& copies() const { return copies_; }
+  /// True if objects of this model may be absent.
+  bool optional(std::size_t model) const { return optional_[model] != 0; }
 
   const PoseGrid& grid(std::size_t model) const { return grids_[model]; }
   const Workspace& workspace(std::size_t model) const { return workspaces_[model]; }
@@ -68,6 +72,9 @@ class LocalizationProblem {
   /// that does not collide with it: its surface within delta of such a point would be too deep. Metres.
   float enclosing_depth(std::size_t model) const { return enclosing_depth_[model]; }
   bool collide(std::size_t model_a, const Pose& pose_a, std::size_t model_b, const Pose& pose_b) const;
+  bool collide(const Candidate& a, const Candidate& b) const {
+    return !a.absent && !b.absent && collide(a.model, a.pose, b.model, b.pose);
+  }
 
  private:
   CandidateSettings settings_;
@@ -78,6 +85,7 @@ class LocalizationProblem {
   std::vector<ObjectModel> models_;
   std::vector<std::size_t> objects_;
   std::vector<int> copies_;
+  std::vector<char> optional_;
   std::vector<Workspace> workspaces_;
   std::vector<PoseGrid> grids_;
   std::vector<float> enclosing_depth_;

@@ -85,6 +85,8 @@ void LoneCost::value(const DepthPatch& patch, LoneValue& value) {
   value.points = value.unexplained = value.exposed = value.explained_count = 0;
   value.explained.clear();
   value.certain.clear();
+  value.uncertain.clear();
+  value.shown.clear();
   if (patch.window.empty()) return;
   load(patch);
   const DeltaIndex& index = cost_.index();

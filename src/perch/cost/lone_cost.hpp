@@ -18,6 +18,8 @@ struct LoneValue {
   std::vector<Run> explained;  ///< points of I within delta of its rendered points
   /// Pixels (row-major) whose point is unexplained, and so is every point nearer on the ray.
   std::vector<Run> certain;
+  std::vector<Run> uncertain;  ///< pixels whose point is unexplained, but a nearer one may not be
+  std::vector<Run> shown;      ///< pixels whose point is explained
 };
 
 /// Values objects alone: the counts of ExplanationCost::change on an empty composite, to the point, in one

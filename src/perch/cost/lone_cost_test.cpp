@@ -34,14 +34,18 @@ class LoneCostTest : public testing::Test {
       CostChange change;
       cost.change(cost.empty(), patch, change);
       std::int64_t exposed = 0;
-      std::vector<std::uint32_t> certain;
+      std::vector<std::uint32_t> certain, uncertain, shown;
       for (int v = patch.window.v0; v < patch.window.v1; ++v)
         for (int u = patch.window.u0; u < patch.window.u1; ++u) {
           const float z = patch.at(u, v), seen = observation.depth(u, v);
-          if (!(z < no_surface) || change.appears.contains(u, v) || !cost.counts_at(u, v)) continue;
+          if (!(z < no_surface) || !cost.counts_at(u, v)) continue;
+          const auto pixel = static_cast<std::uint32_t>(v * observation.intrinsics().width + u);
+          if (change.appears.contains(u, v)) {
+            shown.push_back(pixel);
+            continue;
+          }
           exposed += !(seen > 0.0F && seen < z - static_cast<float>(scene.delta));
-          if (index.unexplained_throughout(u, v, z, z))
-            certain.push_back(static_cast<std::uint32_t>(v * observation.intrinsics().width + u));
+          (index.unexplained_throughout(u, v, z, z) ? certain : uncertain).push_back(pixel);
         }
       for (const InstructionSet set :
            {InstructionSet::baseline, InstructionSet::x86_64_v3, InstructionSet::x86_64_v4}) {
@@ -56,6 +60,8 @@ class LoneCostTest : public testing::Test {
         EXPECT_EQ(value.explained_count, static_cast<std::int64_t>(change.gained.size()));
         EXPECT_EQ(numbers(value.explained), change.gained);
         EXPECT_EQ(numbers(value.certain), certain);
+        EXPECT_EQ(numbers(value.uncertain), uncertain);
+        EXPECT_EQ(numbers(value.shown), shown);
         const PointSet set_of(value.explained);
         EXPECT_EQ(set_of.count(), change.gained.size());
         for (const std::uint32_t i : change.gained) EXPECT_TRUE(set_of.contains(i));

@@ -16,4 +16,15 @@ double OverlapHeuristic::operator()(const SceneState& state) const {
   return static_cast<double>(problem_.observation().size() - reached.count());
 }
 
+double PriorHeuristic::operator()(const SceneState& state) const {
+  double sum = 0.0;
+  distances_.resize(set_.size());
+  for (const CandidateId id : state.placed) {
+    std::optional<double>& distance = distances_[id];
+    if (!distance) distance = prior_distance(problem_, set_[id], priors_);
+    sum += *distance;
+  }
+  return sum;
+}
+
 }  // namespace perch

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "perch/candidates/priors.hpp"
 #include "perch/candidates/problem.hpp"
 #include "perch/tree/scene_tree.hpp"
 
@@ -31,6 +36,22 @@ class OverlapHeuristic {
  private:
   const LocalizationProblem& problem_;
   const CandidateSet& set_;
+};
+
+/// `prior`: sum over the placed objects of the distance to the nearest pose that some other detector proposed
+/// for their model, metres. Remembers the distances: one for each thread.
+class PriorHeuristic {
+ public:
+  /// Keeps references to problem and set.
+  PriorHeuristic(const LocalizationProblem& problem, const CandidateSet& set, std::vector<PriorPose> priors)
+      : problem_(problem), set_(set), priors_(std::move(priors)) {}
+  double operator()(const SceneState& state) const;
+
+ private:
+  const LocalizationProblem& problem_;
+  const CandidateSet& set_;
+  std::vector<PriorPose> priors_;
+  mutable std::vector<std::optional<double>> distances_;  ///< by candidate, once asked for
 };
 
 }  // namespace perch

@@ -11,16 +11,20 @@
 
 namespace perch {
 
-std::vector<std::vector<PlacedModel>> read_poses(const std::filesystem::path& path, const Scene& scene) {
+namespace {
+
+// JSON is YAML, and the one reader gives both files the same checks and messages.
+std::vector<PlacedModel> read_list(const YamlEntry& list, const Scene& scene) {
+  std::vector<PlacedModel> placed;
+  for (const YamlEntry& item : list.items("{model, x, y, yaw}"))
+    placed.push_back(placed_model(item.fields({"model", "x", "y", "yaw"}), scene.models));
+  return placed;
+}
+
+template <typename Read>
+auto reading(const std::filesystem::path& path, const Read& read) {
   try {
-    std::vector<std::vector<PlacedModel>> scenes;
-    // JSON is YAML, and the one reader gives both files the same checks and messages.
-    for (const YamlEntry& list : YamlEntry::read(path).items("lists of {model, x, y, yaw}")) {
-      std::vector<PlacedModel>& placed = scenes.emplace_back();
-      for (const YamlEntry& item : list.items("{model, x, y, yaw}"))
-        placed.push_back(placed_model(item.fields({"model", "x", "y", "yaw"}), scene.models));
-    }
-    return scenes;
+    return read(YamlEntry::read(path));
   } catch (const InputError&) {
     throw;
   } catch (const std::bad_alloc&) {
@@ -28,6 +32,21 @@ std::vector<std::vector<PlacedModel>> read_poses(const std::filesystem::path& pa
   } catch (const std::exception& e) {
     throw InputError(fmt::format("{}: can't be read ({}); check the file", shown(path), one_line(e.what())));
   }
+}
+
+}  // namespace
+
+std::vector<std::vector<PlacedModel>> read_poses(const std::filesystem::path& path, const Scene& scene) {
+  return reading(path, [&](const YamlEntry& root) {
+    std::vector<std::vector<PlacedModel>> scenes;
+    for (const YamlEntry& list : root.items("lists of {model, x, y, yaw}"))
+      scenes.push_back(read_list(list, scene));
+    return scenes;
+  });
+}
+
+std::vector<PlacedModel> read_priors(const std::filesystem::path& path, const Scene& scene) {
+  return reading(path, [&](const YamlEntry& root) { return read_list(root, scene); });
 }
 
 }  // namespace perch

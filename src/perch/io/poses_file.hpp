@@ -12,4 +12,7 @@ namespace perch {
 /// `<file>: [0][2].yaw: <value and what is wrong>; <remedy>`.
 std::vector<std::vector<PlacedModel>> read_poses(const std::filesystem::path& path, const Scene& scene);
 
+/// Poses that another detector proposes: an array of {model, x, y, yaw}. Errors as above.
+std::vector<PlacedModel> read_priors(const std::filesystem::path& path, const Scene& scene);
+
 }  // namespace perch

@@ -34,7 +34,12 @@ Json matrix(const Eigen::Isometry3d& transform) {
   return rows;
 }
 
+Json to_value(const RunnerUp& r) {
+  return {{"x", r.pose.x}, {"y", r.pose.y}, {"yaw", r.pose.yaw}, {"cost_increase", r.cost_increase}};
+}
+
 Json to_value(const ObjectResult& o) {
+  if (o.absent) return {{"model", o.model}, {"absent", true}};
   return {{"model", o.model},
           {"x", o.pose.x},
           {"y", o.pose.y},
@@ -43,7 +48,9 @@ Json to_value(const ObjectResult& o) {
           {"camera_from_model", matrix(o.camera_from_model)},
           {"visible_pixels", o.visible_pixels},
           {"visible_fraction", o.visible_fraction},
-          {"explained_fraction", o.explained_fraction}};
+          {"explained_fraction", o.explained_fraction},
+          {"confidence", or_null(o.confidence)},
+          {"runner_up", o.runner_up ? to_value(*o.runner_up) : Json(nullptr)}};
 }
 
 Json to_value(const ResultPose& p) {
@@ -53,6 +60,9 @@ Json to_value(const ResultPose& p) {
 Json to_value(const Guarantee& g) {
   return {{"w", g.w},
           {"over", g.over},
+          {"delta", g.delta},
+          {"missing_depth", g.missing_depth},
+          {"collision", {{"penetration", g.collision_penetration}, {"overlap", g.collision_overlap}}},
           {"resolution_m", g.resolution_m},
           {"yaw_resolution_rad", g.yaw_resolution_rad},
           {"candidates", g.candidates},
@@ -116,6 +126,18 @@ std::string to_json(const Result& result) {
                    {"search_objects", list(result.search_objects)},
                    {"objects", list(result.objects)},
                    {"stats", to_value(result.stats)}});
+}
+
+std::string to_json_lines(const std::vector<TraceEntry>& trace) {
+  std::string lines;
+  for (const TraceEntry& entry : trace)
+    lines += Json{{"seconds", entry.seconds},
+                  {"cost", or_null(entry.cost)},
+                  {"search_cost", or_null(entry.search_cost)},
+                  {"lower_bound", entry.lower_bound}}
+                 .dump() +
+             "\n";
+  return lines;
 }
 
 std::string to_json(const std::vector<ScoreRecord>& records) {

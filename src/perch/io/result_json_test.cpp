@@ -24,8 +24,17 @@ Result solved() {
   r.observed_points = 30125;
   r.search_cost = 830;
   r.lower_bound = 640;
-  r.guarantee = {
-      3.0, "fixed candidates: grid poses after ICP alone", 0.04, 0.3927, 3120, "icp", "branch-and-bound"};
+  r.guarantee = {.w = 3.0,
+                 .over = "fixed candidates: grid poses after ICP alone",
+                 .delta = 0.005,
+                 .missing_depth = "unexplained",
+                 .collision_penetration = 0.01,
+                 .collision_overlap = 0.35,
+                 .resolution_m = 0.04,
+                 .yaw_resolution_rad = 0.3927,
+                 .candidates = 3120,
+                 .refine = "icp",
+                 .search = "branch-and-bound"};
   r.search_objects = {{"mug", {0.1, 1.0 / 3.0, -0.7}}};
   ObjectResult o;
   o.model = "mug \"quoted\" \xc3\xa9";
@@ -35,6 +44,8 @@ Result solved() {
   o.visible_pixels = 2210;
   o.visible_fraction = 0.61;
   o.explained_fraction = 0.97;
+  o.confidence = 1.0 / 3.0;
+  o.runner_up = RunnerUp{{0.1, -0.2, 0.7}, 57};
   r.objects = {o};
   r.stats = {15564, 100, 7, 4, 1, {1.5, 0.25, 0.5, 0.125, 0.1}};
   return r;
@@ -58,16 +69,24 @@ TEST(ResultJson, ReadsBackToTheBit) {
   EXPECT_EQ(j["search_cost"], 830);
   EXPECT_EQ(j["lower_bound"], 640);
   EXPECT_EQ(j["suboptimality_bound"].get<double>(), 830.0 / 640.0);
-  EXPECT_EQ(keys(j["guarantee"]),
-            (Keys{"w", "over", "resolution_m", "yaw_resolution_rad", "candidates", "refine", "search"}));
+  EXPECT_EQ(keys(j["guarantee"]), (Keys{"w", "over", "delta", "missing_depth", "collision", "resolution_m",
+                                        "yaw_resolution_rad", "candidates", "refine", "search"}));
+  EXPECT_EQ(j["guarantee"]["delta"], 0.005);
+  EXPECT_EQ(j["guarantee"]["missing_depth"], "unexplained");
+  EXPECT_EQ(j["guarantee"]["collision"], (Json{{"penetration", 0.01}, {"overlap", 0.35}}));
   EXPECT_EQ(j["guarantee"]["over"], r.guarantee.over);
   EXPECT_EQ(j["guarantee"]["candidates"], 3120);
   EXPECT_EQ(keys(j["search_objects"][0]), (Keys{"model", "x", "y", "yaw"}));
   EXPECT_EQ(j["search_objects"][0]["y"].get<double>(), 1.0 / 3.0);
 
   const Json& o = j["objects"][0];
-  EXPECT_EQ(keys(o), (Keys{"model", "x", "y", "yaw", "world_from_model", "camera_from_model",
-                           "visible_pixels", "visible_fraction", "explained_fraction"}));
+  EXPECT_EQ(keys(o),
+            (Keys{"model", "x", "y", "yaw", "world_from_model", "camera_from_model", "visible_pixels",
+                  "visible_fraction", "explained_fraction", "confidence", "runner_up"}));
+  EXPECT_EQ(o["confidence"].get<double>(), 1.0 / 3.0);
+  EXPECT_EQ(keys(o["runner_up"]), (Keys{"x", "y", "yaw", "cost_increase"}));
+  EXPECT_EQ(o["runner_up"]["yaw"].get<double>(), 0.7);
+  EXPECT_EQ(o["runner_up"]["cost_increase"], 57);
   EXPECT_EQ(o["model"], r.objects[0].model);
   EXPECT_EQ(o["x"].get<double>(), 0.1 + 0.2);
   EXPECT_EQ(o["y"].get<double>(), -1e-17);
@@ -94,6 +113,15 @@ TEST(ResultJson, WithoutASceneCostsAreNull) {
   EXPECT_EQ(j["search_objects"], Json::array());
   r.status = Status::time_limit;
   EXPECT_EQ(Json::parse(to_json(r))["status"], "time_limit");
+}
+
+TEST(ResultJson, WhatWasNotJudgedIsNull) {
+  Result r = solved();
+  r.objects[0].confidence.reset();
+  r.objects[0].runner_up.reset();
+  const Json o = Json::parse(to_json(r))["objects"][0];
+  EXPECT_TRUE(o["confidence"].is_null());
+  EXPECT_TRUE(o["runner_up"].is_null());
 }
 
 TEST(ResultJson, NamesThatAreNotUtf8StillWrite) {

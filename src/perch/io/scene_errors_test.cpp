@@ -171,8 +171,20 @@ TEST_F(SceneErrors, ObjectsAndTruth) {
   for (int i = 0; i < 1000; ++i) many += ", mug";
   EXPECT_THAT(changed("[mug, mug, can]", many + "]"),
               HasSubstr("objects: has 1001 entries; give at most 1000"));
-  EXPECT_THAT(changed("[mug, mug, can]", "[{model: mug, optional: true}]"),
-              HasSubstr("objects[0]: optional objects are not built yet"));
+  const auto object = [&](const std::string& entry) { return changed("[mug, mug, can]", "[" + entry + "]"); };
+  for (const std::string word : {"1", "yes", "\"yes\"", "\"true\"", "True", "~", "[true]", "{}"})
+    EXPECT_THAT(object("can, {model: mug, optional: " + word + "}"),
+                AllOf(HasSubstr("objects[1].optional: "), HasSubstr("neither true nor false")))
+        << word;
+  EXPECT_THAT(object("{model: mug, option: true}"),
+              AllOf(HasSubstr("objects[0].option: unknown key"), HasSubstr("did you mean optional?")));
+  EXPECT_THAT(object("{optional: true}"), HasSubstr("objects[0].model: is missing; name a model"));
+  EXPECT_THAT(object("{}"), HasSubstr("objects[0].model: is missing"));
+  EXPECT_THAT(object("{model: mugg, optional: true}"),
+              AllOf(HasSubstr("objects[0].model: \"mugg\" is no model"), HasSubstr("did you mean mug?")));
+  EXPECT_THAT(object("{model: [mug], optional: true}"), HasSubstr("objects[0].model: "));
+  EXPECT_THAT(object("{model: mug, model: can}"), HasSubstr("objects[0].model: the key is given twice"));
+  EXPECT_THAT(object("[mug]"), HasSubstr("objects[0]: "));
   EXPECT_THAT(changed("model: can, x", "model: cane, x"), HasSubstr("truth[1].model: \"cane\" is no model"));
   EXPECT_THAT(changed("yaw: 1.2", "yaw: north"), HasSubstr("truth[0].yaw: \"north\" is not a number"));
   EXPECT_THAT(changed("symmetry: 4", "symmetry: auto"), HasSubstr("truth[0].symmetry"));

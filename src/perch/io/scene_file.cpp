@@ -190,16 +190,22 @@ std::vector<SceneModel> read_models(const YamlEntry& entry, const fs::path& fold
   return models;
 }
 
-std::vector<std::size_t> read_objects(const YamlEntry& entry, const std::vector<SceneModel>& models) {
+/// A model's name, or {model: NAME, optional: true}.
+SceneObject read_object(const YamlEntry& item, const std::vector<SceneModel>& models) {
+  if (!item.is_map()) return model_index(item, models);
+  const YamlFields fields = item.fields({"model", "optional"});
+  const YamlEntry& model = fields.required("model", "name a model");
+  const YamlEntry* optional = fields.optional("optional");
+  return {model_index(model, models), optional != nullptr && optional->boolean()};
+}
+
+std::vector<SceneObject> read_objects(const YamlEntry& entry, const std::vector<SceneModel>& models) {
   constexpr std::size_t most = 1000;
   const auto items = entry.items("model names");
   if (items.empty()) entry.fail("is empty; name at least one model");
   if (items.size() > most) entry.fail(fmt::format("has {} entries; give at most {}", items.size(), most));
-  std::vector<std::size_t> objects;
-  for (const YamlEntry& item : items) {
-    if (item.is_map()) item.fail("optional objects are not built yet; give the model's name alone");
-    objects.push_back(model_index(item, models));
-  }
+  std::vector<SceneObject> objects;
+  for (const YamlEntry& item : items) objects.push_back(read_object(item, models));
   return objects;
 }
 
@@ -217,8 +223,8 @@ std::vector<TruthPose> read_truth(const YamlEntry& entry, const std::vector<Scen
 
 Scene read_checked(const fs::path& scene_file) {
   const YamlEntry root = YamlEntry::read(scene_file);
-  const YamlFields fields =
-      root.fields({"version", "camera", "observation", "table", "workspace", "models", "objects", "truth"});
+  const YamlFields fields = root.fields(
+      {"version", "camera", "observation", "table", "workspace", "models", "objects", "priors", "truth"});
   const YamlEntry& version = fields.required("version", "give version: 1");
   if (version.is_quoted() || version.text() != "1")
     version.fail(fmt::format("{} is not a version that can be read; give version: 1", version.value()));
@@ -235,6 +241,9 @@ Scene read_checked(const fs::path& scene_file) {
   read_observation(observation, folder, scene);
   scene.models = read_models(models, folder);
   scene.objects = read_objects(objects, scene.models);
+  if (const YamlEntry* priors = fields.optional("priors"))
+    for (const YamlEntry& item : priors->items("{model, x, y, yaw}"))
+      scene.priors.push_back(placed_model(item.fields({"model", "x", "y", "yaw"}), scene.models));
   if (const YamlEntry* truth = fields.optional("truth")) scene.truth = read_truth(*truth, scene.models);
   return scene;
 }

@@ -53,7 +53,7 @@ TEST(SceneFile, ReadsEverything) {
     EXPECT_NEAR(model.mesh.bounds().max().z(), 0.04F, 1e-7F);
     EXPECT_NEAR(model.mesh.bounds().max().x(), 0.05F, 1e-7F);
   }
-  EXPECT_EQ(scene.objects, (std::vector<std::size_t>{0, 0, 1}));
+  EXPECT_EQ(scene.objects, (std::vector<SceneObject>{0, 0, 1}));
   ASSERT_EQ(scene.truth.size(), 2U);
   EXPECT_EQ(scene.truth[0].model, 0U);
   EXPECT_EQ(scene.truth[0].pose, (Pose{0.1, 0.02, 1.2}));

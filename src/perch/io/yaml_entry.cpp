@@ -87,6 +87,13 @@ int YamlEntry::integer(int low, int high) const {
   return static_cast<int>(*parsed);
 }
 
+bool YamlEntry::boolean() const {
+  const bool is_true = node_.IsScalar() && node_.Scalar() == "true";
+  if (is_quoted() || !(is_true || (node_.IsScalar() && node_.Scalar() == "false")))
+    fail(fmt::format("{} is neither true nor false; give one of these", value()));
+  return is_true;
+}
+
 std::string YamlEntry::text() const {
   if (!node_.IsScalar()) fail(fmt::format("{} stands where text is expected; give a name", value()));
   if (node_.Scalar().empty()) fail("is empty; give a name");

@@ -37,6 +37,8 @@ class YamlEntry {
   int integer(int low, int high) const;
   /// Non-empty text; a plain number is taken as the text that stands in the file.
   std::string text() const;
+  /// true or false, unquoted.
+  bool boolean() const;
   bool is_map() const { return node_.IsMap(); }
   bool is_quoted() const { return node_.IsScalar() && node_.Tag() == "!"; }
 

@@ -6,21 +6,13 @@
 #include <vector>
 
 #include "perch/core/stop.hpp"
+#include "perch/localize/progress.hpp"
 #include "perch/localize/result.hpp"
 #include "perch/localize/scene.hpp"
 #include "perch/localize/settings.hpp"
 #include "perch/parallel/executor.hpp"
 
 namespace perch {
-
-/// How far a localization has come.
-struct Progress {
-  const char* stage = "";  ///< "candidates", "first scenes", "search"
-  std::uint64_t states = 0;
-  std::uint64_t expansions = 0;
-  std::optional<std::int64_t> best_cost = std::nullopt;
-  std::int64_t lower_bound = 0;
-};
 
 /// Finds the pose of every object of a scene: the cheapest explanation up to the factor w, with the bound
 /// proven for it. \param stop when it strikes, the best scene found so far is the answer, with status

@@ -109,6 +109,7 @@ SceneRendering render_scene(const Scene& scene, const std::vector<PlacedModel>& 
 std::vector<PlacedModel> placed_objects(const Scene& scene, const Result& result) {
   std::vector<PlacedModel> placed;
   for (const ObjectResult& object : result.objects) {
+    if (object.absent) continue;
     const auto model = std::find_if(scene.models.begin(), scene.models.end(),
                                     [&](const SceneModel& m) { return m.name == object.model; });
     if (model == scene.models.end())

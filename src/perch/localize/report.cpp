@@ -1,6 +1,7 @@
 #include "perch/localize/report.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
 #include "perch/render/rasterizer.hpp"
@@ -28,7 +29,8 @@ CostRecord record_of(const CostCounts& counts) {
   return {counts.total(), counts.observed, counts.rendered};
 }
 
-/// The poses in the order of the problem's objects; repeats of a model by ascending x, then y, then yaw.
+}  // namespace
+
 std::vector<PlacedModel> in_scene_order(const LocalizationProblem& problem, std::vector<PlacedModel> placed) {
   std::sort(placed.begin(), placed.end(), [](const PlacedModel& a, const PlacedModel& b) {
     return std::tuple(a.model, a.pose.x, a.pose.y, a.pose.yaw) <
@@ -38,41 +40,54 @@ std::vector<PlacedModel> in_scene_order(const LocalizationProblem& problem, std:
   for (const std::size_t model : problem.objects()) {
     const auto next =
         std::find_if(placed.begin(), placed.end(), [&](const PlacedModel& p) { return p.model == model; });
+    if (next == placed.end()) continue;
     ordered.push_back(*next);
     placed.erase(next);
   }
   return ordered;
 }
 
-}  // namespace
+void report_search(const LocalizationProblem& problem, const std::vector<PlacedModel>& placed,
+                   Result& result) {
+  result.search_objects.clear();
+  for (const PlacedModel& object : in_scene_order(problem, placed))
+    result.search_objects.push_back({problem.models()[object.model].name(), object.pose});
+}
 
 void report_scene(const LocalizationProblem& problem, const std::vector<PlacedModel>& unordered,
                   Result& result) {
   const std::vector<PlacedModel> placed = in_scene_order(problem, unordered);
+  result.objects.clear();
+  std::size_t met = 0;
+  for (const std::size_t model : problem.objects()) {
+    ObjectResult& object = result.objects.emplace_back();
+    object.model = problem.models()[model].name();
+    object.absent = met == placed.size() || placed[met].model != model;
+    if (object.absent) continue;
+    object.pose = placed[met++].pose;
+    object.world_from_model = problem.models()[model].world_from_model(object.pose);
+    object.camera_from_model = problem.camera_from_model(model, object.pose);
+  }
+
   const std::vector<DepthPatch> patches = render_each(problem, placed);
   result.cost = record_of(problem.cost().counts(composite_of(problem, patches)));
   std::vector<const DepthPatch*> pointers;
   for (const DepthPatch& patch : patches) pointers.push_back(&patch);
   const DepthPatch scene = compose(pointers);
 
-  result.objects.clear();
-  result.search_objects.clear();
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    const ObjectModel& model = problem.models()[placed[i].model];
-    ObjectResult object;
-    object.model = model.name();
-    object.pose = placed[i].pose;
-    object.world_from_model = model.world_from_model(placed[i].pose);
-    object.camera_from_model = problem.camera_from_model(placed[i].model, placed[i].pose);
+  std::size_t next = 0;
+  for (ObjectResult& object : result.objects) {
+    if (object.absent) continue;
+    const auto i = static_cast<std::ptrdiff_t>(next++);
+    const DepthPatch& patch = patches[static_cast<std::size_t>(i)];
     std::int64_t alone = 0, explained = 0;
-    const DepthPatch& patch = patches[i];
     for (int v = patch.window.v0; v < patch.window.v1; ++v)
       for (int u = patch.window.u0; u < patch.window.u1; ++u) {
         const float z = patch.at(u, v);
         if (!(z < no_surface)) continue;
         ++alone;
         // Of two at the same depth the first in the scene's order is the one seen.
-        const bool first = std::none_of(patches.begin(), patches.begin() + static_cast<std::ptrdiff_t>(i),
+        const bool first = std::none_of(patches.begin(), patches.begin() + i,
                                         [&](const DepthPatch& other) { return other.at_or_none(u, v) == z; });
         if (z > scene.at(u, v) || !first) continue;
         ++object.visible_pixels;
@@ -82,8 +97,19 @@ void report_scene(const LocalizationProblem& problem, const std::vector<PlacedMo
       object.visible_fraction = static_cast<double>(object.visible_pixels) / static_cast<double>(alone);
     if (object.visible_pixels > 0)
       object.explained_fraction = static_cast<double>(explained) / static_cast<double>(object.visible_pixels);
-    result.search_objects.push_back({object.model, object.pose});
-    result.objects.push_back(std::move(object));
+  }
+}
+
+void report_judged(const LocalizationProblem& problem, const JudgedScene& judged, Result& result) {
+  report_scene(problem, judged.scene.placed, result);
+  for (std::size_t i = 0; i < judged.objects.size(); ++i) {
+    const PlacedModel& placed = judged.scene.placed[i];
+    const auto object =
+        std::find_if(result.objects.begin(), result.objects.end(), [&](const ObjectResult& o) {
+          return o.model == problem.models()[placed.model].name() && o.pose == placed.pose && !o.confidence;
+        });
+    object->confidence = judged.objects[i].confidence;
+    object->runner_up = judged.objects[i].runner_up;
   }
 }
 

@@ -24,9 +24,16 @@ struct ResultPose {
   Pose pose;
 };
 
+/// The next best pose of an object, all others as they are.
+struct RunnerUp {
+  Pose pose;
+  std::int64_t cost_increase = 0;  ///< of J
+};
+
 /// One object of the scene as reported.
 struct ObjectResult {
   std::string model;
+  bool absent = false;  ///< an optional object that was left out: nothing below holds
   Pose pose;
   Eigen::Isometry3d world_from_model = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
@@ -34,12 +41,18 @@ struct ObjectResult {
   double visible_fraction = 0.0;    ///< of the pixels that it would cover alone
   double explained_fraction =
       0.0;  ///< of its visible rendered points, those within delta of an observed point
+  std::optional<double> confidence;   ///< in [0, 1], see docs/confidence.md; empty where not judged
+  std::optional<RunnerUp> runner_up;  ///< empty where there is none, or not judged
 };
 
 /// What the bound ranges over.
 struct Guarantee {
   double w = 3.0;
   std::string over;
+  double delta = 0.0;                  ///< of the costs, metres
+  std::string missing_depth;           ///< how they count rendered points without a reading
+  double collision_penetration = 0.0;  ///< how far objects of the set may enter each other, metres
+  double collision_overlap = 0.0;      ///< share of a solid of theirs that may lie inside another
   double resolution_m = 0.0;
   double yaw_resolution_rad = 0.0;
   std::int64_t candidates = 0;
@@ -60,6 +73,13 @@ struct Stats {
   Seconds seconds;
 };
 
+/// How good the answer was at some time: written when the scene or its bound got better.
+struct TraceEntry {
+  double seconds = 0.0;
+  std::optional<std::int64_t> cost, search_cost;  ///< of the best scene known
+  std::int64_t lower_bound = 0;
+};
+
 /// The answer to one scene, as written to result.json.
 struct Result {
   Status status = Status::infeasible;
@@ -72,6 +92,7 @@ struct Result {
   std::vector<ResultPose> search_objects;
   std::vector<ObjectResult> objects;
   Stats stats;
+  std::vector<TraceEntry> trace;  ///< ascending in time; costs never rise, bounds never fall
 
   /// search_cost / lower_bound; 1 for 0 / 0; empty where the bound is 0 and the cost is not, or without a
   /// scene.

@@ -28,6 +28,15 @@ struct PlacedModel {
   Pose pose;
 };
 
+/// An object that the scene holds, or may hold; `model` counts into Scene::models.
+struct SceneObject {
+  SceneObject(std::size_t of_model, bool may_be_absent = false) : model(of_model), optional(may_be_absent) {}
+
+  std::size_t model = 0;
+  bool optional = false;  ///< may be absent
+  friend bool operator==(const SceneObject&, const SceneObject&) = default;
+};
+
 /// A ground-truth pose; the symmetry is for scoring only.
 struct TruthPose {
   std::size_t model = 0;
@@ -51,7 +60,8 @@ struct Scene {
   std::optional<double> table_height;       ///< world z of the support plane; estimated if absent
   std::optional<Workspace> workspace;       ///< derived from the observed points if absent
   std::vector<SceneModel> models;
-  std::vector<std::size_t> objects;  ///< the objects present, counting into models, repeats allowed
+  std::vector<SceneObject> objects;  ///< repeats allowed
+  std::vector<PlacedModel> priors;   ///< poses that another detector proposes; they guide the search only
   std::vector<TruthPose> truth;      ///< may be empty
 };
 

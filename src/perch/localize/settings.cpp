@@ -20,7 +20,7 @@ struct Names<CandidateMode> {
 };
 template <>
 struct Names<SearchMethod> {
-  static inline const std::vector<std::string> all{"focal-mha"};
+  static inline const std::vector<std::string> all{"branch-and-bound", "focal-mha"};
 };
 template <>
 struct Names<RefineMethod> {
@@ -41,9 +41,10 @@ T parse(const std::string& key, const std::string& text) {
     const auto& all = Names<T>::all;
     for (std::size_t i = 0; i < all.size(); ++i)
       if (all[i] == text) return static_cast<T>(i);
-    if (key == "search.method" && text == "branch-and-bound")
-      throw InvalidSetting(key + ": branch-and-bound is not built yet; use focal-mha");
     fail(key, text, fmt::format("one of {}", fmt::join(all, ", ")));
+  } else if constexpr (std::is_same_v<T, bool>) {
+    if (text != "true" && text != "false") fail(key, text, "true or false");
+    return text == "true";
   } else {
     T value{};
     const char* end = text.data() + text.size();
@@ -107,12 +108,18 @@ SettingsField degrees_field(std::string key, std::string help, Access access) {
 std::vector<SettingsField> make_fields() {
   return {
       field("search.w", "suboptimality factor, >= 1", PERCH_FIELD(w)),
-      field("search.method", "focal-mha", PERCH_FIELD(method)),
+      optional_field("search.method",
+                     "branch-and-bound or focal-mha; auto: the first for fixed candidates, the second in "
+                     "context",
+                     PERCH_FIELD(method)),
       field("search.candidates", "fixed: refined alone; context: refined in each parent scene",
             PERCH_FIELD(mode)),
       field("search.time_limit", "seconds of wall clock for the whole command, > 0", PERCH_FIELD(time_limit)),
       optional_field("search.max_expansions", "stop after so many expansions; auto: no limit",
                      PERCH_FIELD(max_expansions)),
+      field("search.anytime", "go on after the first solution: true or false", PERCH_FIELD(anytime)),
+      field("search.exhaustive", "value every scene instead of searching: true or false",
+            PERCH_FIELD(exhaustive)),
       field("threads", "0: as many as the machine has", PERCH_FIELD(threads)),
       field("grid.resolution", "step in x and y, metres", PERCH_FIELD(candidates.grid.resolution)),
       degrees_field("grid.yaw_resolution_deg", "step in yaw, degrees",
@@ -139,6 +146,24 @@ std::vector<SettingsField> make_fields() {
       field("tree.depth_tolerance", "a successor may cover rendered pixels by this depth, metres",
             PERCH_FIELD(tree.depth_tolerance)),
       field("tree.pixel_tolerance", "and this many by any depth", PERCH_FIELD(tree.pixel_tolerance)),
+      field("polish.rounds", "times that every object of the answer is moved, at most; 0: no polish",
+            PERCH_FIELD(polish.rounds)),
+      field("polish.scenes", "near-optimal scenes that are polished, at most", PERCH_FIELD(polish.scenes)),
+      field("polish.trials", "poses valued for each object of a scene, at most", PERCH_FIELD(polish.trials)),
+      field("polish.largest_step", "first step, metres", PERCH_FIELD(polish.descent.largest_step)),
+      field("polish.smallest_step", "last step, metres", PERCH_FIELD(polish.descent.smallest_step)),
+      field("polish.turns", "other yaws, evenly spaced, that ICP starts from",
+            PERCH_FIELD(polish.descent.turns)),
+      field("polish.residual_weight", "what distances below delta count beside J; 0: J alone",
+            PERCH_FIELD(polish.descent.residual_weight)),
+      field("ambiguity.distance", "a runner-up lies farther from the answer than this, metres",
+            PERCH_FIELD(ambiguity.distance)),
+      degrees_field("ambiguity.yaw_deg", "or is turned by more than this, degrees",
+                    PERCH_FIELD(ambiguity.yaw)),
+      field("ambiguity.descents", "how many of the best other poses are moved downhill",
+            PERCH_FIELD(ambiguity.descents)),
+      field("ambiguity.trials", "poses valued for each object to judge it, at most; 0: no confidence",
+            PERCH_FIELD(ambiguity.trials)),
   };
 }
 
@@ -155,6 +180,18 @@ void Settings::check() const {
   if (threads > 1024) throw InvalidSetting(fmt::format("threads is {}; it must be at most 1024", threads));
   candidates.check();
   tree.check();
+  polish.check();
+  ambiguity.check();
+}
+
+void Settings::check_together() const {
+  if (mode != CandidateMode::context) return;
+  if (search_method() == SearchMethod::branch_and_bound)
+    throw InvalidSetting(
+        "search.method is branch-and-bound, which needs fixed candidates; use --candidates fixed or --search "
+        "focal-mha");
+  if (exhaustive)
+    throw InvalidSetting("search.exhaustive is true, which needs fixed candidates; use --candidates fixed");
 }
 
 const std::vector<SettingsField>& settings_fields() {
@@ -179,6 +216,9 @@ std::string name(SearchMethod method) {
 }
 std::string name(RefineMethod method) {
   return print(method);
+}
+std::string name(MissingDepth missing_depth) {
+  return print(missing_depth);
 }
 
 }  // namespace perch

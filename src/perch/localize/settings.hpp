@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "perch/candidates/problem.hpp"
+#include "perch/localize/finish_settings.hpp"
 #include "perch/tree/monotone.hpp"
 
 namespace perch {
@@ -18,22 +19,37 @@ enum class CandidateMode {
   context  ///< refined again in each parent scene, the paper's way
 };
 
-enum class SearchMethod { focal_mha };
+enum class SearchMethod {
+  branch_and_bound,  ///< over all collision-free scenes of fixed candidates
+  focal_mha          ///< over the monotone scene generation tree
+};
 
 /// Everything that can be set. The command line, settings files and `--set` all go through settings_fields,
 /// so that a default is written once, here and in the structs below.
 struct Settings {
   double w = 3.0;  ///< the answer costs at most w times the optimum
   CandidateMode mode = CandidateMode::fixed;
-  SearchMethod method = SearchMethod::focal_mha;
-  double time_limit = 60.0;                     ///< seconds of wall clock for the whole command
-  std::size_t threads = 0;                      ///< 0 = as many as the machine has
+  std::optional<SearchMethod> method;  ///< branch and bound over fixed candidates, Focal-MHA* in context
+  double time_limit = 60.0;            ///< seconds of wall clock for the whole command
+  std::size_t threads = 0;             ///< 0 = as many as the machine has
   std::optional<std::uint64_t> max_expansions;  ///< stop the search after so many
+  bool anytime = false;     ///< go on after the first solution, until it is proven optimal or time is up
+  bool exhaustive = false;  ///< value every scene instead of searching; for small grids
   CandidateSettings candidates;
   MonotoneSettings tree;
+  PolishSettings polish;
+  AmbiguitySettings ambiguity;
 
+  SearchMethod search_method() const {
+    return method.value_or(mode == CandidateMode::fixed ? SearchMethod::branch_and_bound
+                                                        : SearchMethod::focal_mha);
+  }
+  /// The factor at which the search may stop.
+  double stopping_factor() const { return anytime ? 1.0 : w; }
   /// Throws InvalidSetting naming the field and the value.
   void check() const;
+  /// What can be said only of all fields together. Throws InvalidSetting.
+  void check_together() const;
 };
 
 /// One field as text.
@@ -54,5 +70,6 @@ void set_field(Settings& settings, const std::string& key, const std::string& va
 std::string name(CandidateMode mode);
 std::string name(SearchMethod method);
 std::string name(RefineMethod method);
+std::string name(MissingDepth missing_depth);
 
 }  // namespace perch

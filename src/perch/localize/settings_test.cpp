@@ -62,11 +62,45 @@ TEST(Settings, RefusesWithKeyValueAndRemedy) {
                                    {"refine.rounds", "0"},
                                    {"cost.delta", "inf"},
                                    {"tree.pixel_tolerance", "-1"},
-                                   {"search.method", "branch-and-bound"}}) {
+                                   {"polish.rounds", "-1"},
+                                   {"polish.scenes", "0"},
+                                   {"polish.trials", "0"},
+                                   {"polish.largest_step", "0.0001"},
+                                   {"polish.smallest_step", "0"},
+                                   {"polish.turns", "-1"},
+                                   {"polish.residual_weight", "-0.1"},
+                                   {"ambiguity.distance", "0"},
+                                   {"ambiguity.yaw_deg", "200"},
+                                   {"ambiguity.descents", "-1"},
+                                   {"ambiguity.trials", "-1"},
+                                   {"search.method", "exhaustive"},
+                                   {"search.anytime", "1"},
+                                   {"search.exhaustive", "yes"}}) {
     const std::string text = message(key, value);
     EXPECT_FALSE(text.empty()) << key << '=' << value;
     EXPECT_EQ(text.find('\n'), std::string::npos);
   }
+}
+
+// Each is fine alone; together the context leaves no fixed set to enumerate or to branch on.
+TEST(Settings, ContextAllowsFocalMhaOnly) {
+  Settings settings;
+  EXPECT_EQ(settings.search_method(), SearchMethod::branch_and_bound);
+  EXPECT_NO_THROW(settings.check_together());
+  settings.exhaustive = true;
+  EXPECT_NO_THROW(settings.check_together());
+  set_field(settings, "search.candidates", "context");
+  EXPECT_EQ(settings.search_method(), SearchMethod::focal_mha);
+  EXPECT_THROW(settings.check_together(), InvalidSetting);
+  settings.exhaustive = false;
+  EXPECT_NO_THROW(settings.check_together());
+  set_field(settings, "search.method", "branch-and-bound");
+  EXPECT_THROW(settings.check_together(), InvalidSetting);
+  set_field(settings, "search.method", "focal-mha");
+  EXPECT_NO_THROW(settings.check_together());
+  set_field(settings, "search.method", "auto");
+  set_field(settings, "search.candidates", "fixed");
+  EXPECT_EQ(settings.search_method(), SearchMethod::branch_and_bound);
 }
 
 }  // namespace

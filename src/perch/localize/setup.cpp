@@ -38,8 +38,40 @@ std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Sett
     throw Interrupted();
   std::vector<ObjectModel> models;
   for (auto& model : made) models.push_back(std::move(*model));
-  return std::make_unique<LocalizationProblem>(std::move(observation), std::move(models), scene.objects,
-                                               scene.workspace, settings.candidates, executor, stop);
+
+  // Objects of one model are interchangeable, and all of them optional or none: where a scene has both kinds,
+  // the optional ones are objects of a second entry for the same model.
+  std::vector<std::size_t> objects;
+  std::vector<char> optional(models.size(), 0);
+  std::vector<std::size_t> optional_entry(models.size());
+  for (std::size_t m = 0; m < scene.models.size(); ++m) {
+    const auto is = [&](bool wanted) {
+      return std::any_of(scene.objects.begin(), scene.objects.end(),
+                         [&](const SceneObject& o) { return o.model == m && o.optional == wanted; });
+    };
+    optional_entry[m] = m;
+    if (is(true) && is(false)) {
+      optional_entry[m] = models.size();
+      models.push_back(ObjectModel(models[m]));
+      optional.push_back(1);
+    } else if (is(true)) {
+      optional[m] = 1;
+    }
+  }
+  for (const SceneObject& object : scene.objects)
+    objects.push_back(object.optional ? optional_entry[object.model] : object.model);
+  return std::make_unique<LocalizationProblem>(std::move(observation), std::move(models), std::move(objects),
+                                               std::move(optional), scene.workspace, settings.candidates,
+                                               executor, stop);
+}
+
+std::vector<PriorPose> priors_of(const Scene& scene, const LocalizationProblem& problem) {
+  std::vector<PriorPose> priors;
+  for (const PlacedModel& prior : scene.priors)
+    for (std::size_t model = 0; model < problem.models().size(); ++model)
+      if (problem.models()[model].name() == scene.models[prior.model].name)
+        priors.push_back({model, prior.pose});
+  return priors;
 }
 
 }  // namespace perch

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "perch/candidates/priors.hpp"
 #include "perch/candidates/problem.hpp"
 #include "perch/localize/scene.hpp"
 #include "perch/localize/settings.hpp"
@@ -12,5 +14,8 @@ namespace perch {
 std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Settings& settings,
                                                   const Executor& executor,
                                                   const StopCondition& stop = StopCondition());
+
+/// The scene's priors for the problem's models; one for an object that may be absent guides that entry too.
+std::vector<PriorPose> priors_of(const Scene& scene, const LocalizationProblem& problem);
 
 }  // namespace perch

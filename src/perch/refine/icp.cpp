@@ -148,4 +148,16 @@ Pose align(const std::vector<SurfaceSample>& samples, const Pose& pose, bool fix
   return moved;
 }
 
+double mean_residual(const std::vector<SurfaceSample>& samples, const NearestTable& observed, double limit) {
+  if (samples.empty()) return 1.0;
+  double sum = 0.0;
+  for (const SurfaceSample& sample : samples) {
+    const Eigen::Vector3f* q = observed.lookup(sample.point);
+    const double e =
+        q == nullptr ? limit : std::abs(static_cast<double>(sample.normal.dot(sample.point - *q)));
+    sum += std::min(1.0, e / limit);
+  }
+  return sum / static_cast<double>(samples.size());
+}
+
 }  // namespace perch

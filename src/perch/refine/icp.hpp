@@ -51,4 +51,8 @@ void sample_crosses(const DepthCrosses& crosses, const DepthPatch* in_front, con
 Pose align(const std::vector<SurfaceSample>& samples, const Pose& pose, bool fix_yaw,
            const NearestTable& observed, double reach, const RefineSettings& settings);
 
+/// The samples' mean distance from I along their normals, in units of `limit` (metres) and at most 1 each; 1
+/// for a sample that the table knows no observed point near to, and for no samples.
+double mean_residual(const std::vector<SurfaceSample>& samples, const NearestTable& observed, double limit);
+
 }  // namespace perch

@@ -88,7 +88,7 @@ struct Bench {
   }
 };
 
-TEST(Icp, FindsABodyAgain) {
+TEST(IcpHeavy, FindsABodyAgain) {
   Bench bench;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -184,6 +184,26 @@ TEST(Icp, StaysWhereNothingIsNear) {
   const Pose start{0.15, 0.0, 0.5};
   EXPECT_EQ(bench.refine(wedge(), start, false, observation, table, 0.02), start);
   EXPECT_EQ(align({}, start, false, table, 0.02, bench.settings), start);
+}
+
+// Samples pushed off a body along their normals lie that far from it.
+TEST(MeanResidual, MeasuresAlongTheNormals) {
+  Bench bench;
+  const DepthPatch seen = bench.render(wedge(), {0.01, 0.02, 0.4});
+  const Observation observation(bench.view, Bench::image_of({&seen}, bench.view.intrinsics), std::nullopt);
+  const NearestTable table(observation, 0.02, bench.executor);
+  std::vector<SurfaceSample> samples;
+  sample_patch(seen, nullptr, observation, bench.settings, samples);
+  ASSERT_GT(samples.size(), 100U);
+  constexpr double limit = 0.005;
+  for (const double shift : {0.0, 0.001, 0.002, -0.003, 0.004}) {
+    std::vector<SurfaceSample> moved = samples;
+    for (SurfaceSample& s : moved) s.point += static_cast<float>(shift) * s.normal;
+    EXPECT_NEAR(mean_residual(moved, table, limit), std::abs(shift) / limit, 0.03) << shift;
+  }
+  for (SurfaceSample& s : samples) s.point.x() += 0.5F;
+  EXPECT_EQ(mean_residual(samples, table, limit), 1.0) << "nothing is near";
+  EXPECT_EQ(mean_residual({}, table, limit), 1.0);
 }
 
 TEST(RefineSettings, ChecksItsFields) {

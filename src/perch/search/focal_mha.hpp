@@ -22,12 +22,15 @@
 namespace perch {
 
 struct FocalMhaOptions {
-  /// The answer costs at most w times the optimum; finite, >= 1.
+  /// The answer costs at most w times the optimum, and FOCAL holds the states with f <= w * min f; finite,
+  /// >= 1.
   double w = 3.0;
   /// Stop after so many expansions: the same stop on every machine.
   std::optional<std::uint64_t> max_expansions = std::nullopt;
   /// Stop with so many states stored; looked at between expansions.
   std::size_t max_states = 20'000'000;
+  /// Go on after that until the incumbent is proven optimal or something else stops the search.
+  bool anytime = false;
 
   /// Throws InvalidSetting naming the field and the value.
   void check() const {
@@ -122,7 +125,8 @@ class FocalMha {
   }
 
   std::optional<StopReason> finished() const {
-    if (incumbent_ && incumbent_->cost <= options_.w * lower_bound()) return StopReason::solved;
+    const double factor = options_.anytime ? 1.0 : options_.w;
+    if (incumbent_ && incumbent_->cost <= factor * lower_bound()) return StopReason::solved;
     if (open_count_ == 0) return StopReason::infeasible;  // with an incumbent the bound is its cost
     return std::nullopt;
   }
@@ -323,8 +327,9 @@ class FocalMha {
 ///
 /// Unlike the paper's, h need not be consistent, and every state reached by a strictly cheaper path is put
 /// back into OPEN, whichever queue expanded it before. So min f over OPEN is a lower bound on every goal
-/// not yet found, at any moment, and the search ends once the incumbent costs at most w times the bound.
-/// Bounds are as exact as the sums g + h: with integer costs and h <= the true cost there is no rounding.
+/// not yet found, at any moment, and the search ends once the incumbent costs at most w times the bound
+/// (anytime: at most the bound). Bounds are as exact as the sums g + h: with integer costs and h <= the true
+/// cost there is no rounding.
 ///
 /// `initial` is a goal known beforehand and its cost. States that can't lead to a cheaper one are pruned. It
 /// may lie outside the graph: what is proven then holds for the graph's goals and this one together.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -205,6 +206,31 @@ TEST(FocalMhaProperty, InitialIncumbentIsKeptUnlessAPathIsCheaper) {
       EXPECT_LE(result.counters.expanded, without.counters.expanded);
     }
   });
+}
+
+// The search that stops at w, and then goes on as the same search until the optimum is proven.
+TEST(FocalMhaProperty, AnytimeGoesOnUntilTheOptimumIsProven) {
+  std::uint64_t improved = 0;
+  for_random_cases(200, [&](Case c, double w) {
+    std::vector<std::pair<std::uint64_t, double>> found;
+    SearchObserver<int> observer;
+    observer.on_incumbent = [&](const Incumbent<int>& goal, const SearchProgress& progress) {
+      found.emplace_back(progress.expanded, goal.cost);
+    };
+    const auto first = focal_mha(c.graph, c.heuristics, {.w = w}, StopCondition(), {}, observer);
+    const auto until_w = std::exchange(found, {});
+    const auto result =
+        focal_mha(c.graph, c.heuristics, {.w = w, .anytime = true}, StopCondition(), {}, observer);
+    expect_true_result(c, result);
+    EXPECT_EQ(result.reason, first.reason);
+    EXPECT_EQ(result.incumbent ? result.incumbent->cost : infinity, c.optimum);
+    EXPECT_EQ(result.lower_bound, c.optimum);
+    EXPECT_GE(result.counters.expanded, first.counters.expanded);
+    ASSERT_GE(found.size(), until_w.size());
+    EXPECT_TRUE(std::equal(until_w.begin(), until_w.end(), found.begin()));
+    improved += found.size() > until_w.size();
+  });
+  EXPECT_GT(improved, 50U);
 }
 
 TEST(FocalMhaProperty, SameSearchTwice) {

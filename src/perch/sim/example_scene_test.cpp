@@ -78,10 +78,11 @@ TEST(ExampleScene, ReadsBackAsItWasMade) {
   ASSERT_EQ(read.objects.size(), 5U);
   ASSERT_EQ(read.truth.size(), 5U);
   for (std::size_t i = 0; i < 5; ++i) {
-    const SceneModel &a = made.scene.models[made.scene.objects[i]], &b = read.models[read.objects[i]];
+    const SceneModel &a = made.scene.models[made.scene.objects[i].model],
+                     &b = read.models[read.objects[i].model];
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.symmetry, b.symmetry);
-    EXPECT_EQ(read.truth[i].model, read.objects[i]);
+    EXPECT_EQ(read.truth[i].model, read.objects[i].model);
     EXPECT_EQ(read.truth[i].pose, made.scene.truth[i].pose);
     EXPECT_EQ(a.mesh.triangles.size(), b.mesh.triangles.size());
     EXPECT_TRUE(is_closed(b.mesh));

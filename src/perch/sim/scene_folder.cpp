@@ -73,7 +73,8 @@ std::string scene_yaml(const SimulatedScene& simulated, const std::string& comme
                         model.symmetry.name(), number(model.base));
   text += "objects: [";
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
-    text += (i == 0 ? "" : ", ") + scene.models[scene.objects[i]].name;
+    text += fmt::format(fmt::runtime(scene.objects[i].optional ? "{}{{model: {}, optional: true}}" : "{}{}"),
+                        i == 0 ? "" : ", ", scene.models[scene.objects[i].model].name);
   text += "]\ntruth:  # metres and radians\n";
   for (std::size_t i = 0; i < scene.truth.size(); ++i) {
     const auto& [model, at, symmetry] = scene.truth[i];

@@ -45,7 +45,7 @@ TEST(SceneGenerator, ObjectsStandApartInViewAndInTheWorkspace) {
     Rasterizer rasterizer(scene.camera.intrinsics);
     for (std::size_t i = 0; i < scene.truth.size(); ++i) {
       const auto& [model, pose, symmetry] = scene.truth[i];
-      EXPECT_EQ(model, scene.objects[i]);
+      EXPECT_EQ(model, scene.objects[i].model);
       EXPECT_EQ(symmetry, scene.models[model].symmetry);
       EXPECT_GE(pose.x, scene.workspace->x_min);
       EXPECT_LE(pose.x, scene.workspace->x_max);
@@ -118,12 +118,12 @@ TEST(SceneGenerator, KeepsToItsOptions) {
   options.repeats = false;
   const Scene all = random_tabletop(1, options).scene;
   EXPECT_EQ(all.models.size(), 4U);
-  EXPECT_EQ(all.objects, (std::vector<std::size_t>{0, 1, 2, 3}));
+  EXPECT_EQ(all.objects, (std::vector<SceneObject>{0, 1, 2, 3}));
   options.repeats = true;
   options.models = {"mug"};
   const Scene mugs = random_tabletop(1, options).scene;
   ASSERT_EQ(mugs.models.size(), 1U);
-  EXPECT_EQ(mugs.objects, (std::vector<std::size_t>{0, 0, 0, 0}));
+  EXPECT_EQ(mugs.objects, (std::vector<SceneObject>{0, 0, 0, 0}));
   EXPECT_EQ(mugs.models[0].name, "mug");
 }
 

@@ -82,8 +82,10 @@ bool monotone_order_exists(const ExplanationCost& cost, const std::vector<DepthP
   std::iota(group.begin(), group.end(), std::size_t{0});
   for (std::size_t i = 0; i < patches.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (group[i] != group[j] && touch(patches[i], patches[j]))
-        std::replace(group.begin(), group.end(), std::max(group[i], group[j]), std::min(group[i], group[j]));
+      if (group[i] != group[j] && touch(patches[i], patches[j])) {
+        const auto [kept, replaced] = std::minmax({group[i], group[j]});  // copies: the elements change
+        std::replace(group.begin(), group.end(), replaced, kept);
+      }
   const auto nearest = [](const DepthPatch& patch) {
     return *std::min_element(patch.depth.begin(), patch.depth.end());
   };

@@ -55,11 +55,13 @@ TEST(Monotone, OrderExistsAsByTryingAllPermutations) {
     Random random(seed);
     const MonotoneSettings settings{random.uniform() < 0.5 ? 0.0 : 0.02, static_cast<int>(random.below(3))};
     std::vector<DepthPatch> patches;
-    const std::size_t n = 2 + random.below(3);
+    const bool many = seed % 2 == 0;  // small ones in several groups of what hides what
+    const std::size_t n = many ? 4 + random.below(3) : 2 + random.below(3);
     for (std::size_t i = 0; i < n; ++i) {
       const int u = static_cast<int>(random.below(10)), v = static_cast<int>(random.below(8));
-      DepthPatch patch = flat(
-          {u, v, u + 2 + static_cast<int>(random.below(6)), v + 2 + static_cast<int>(random.below(5))}, 1.0F);
+      DepthPatch patch = flat({u, v, u + 2 + static_cast<int>(random.below(many ? 4 : 6)),
+                               v + 2 + static_cast<int>(random.below(many ? 3 : 5))},
+                              1.0F);
       // Slanted, so that patches pass through each other and hide one another mutually.
       const double slope = random.uniform(-0.3, 0.3);
       for (std::size_t k = 0; k < patch.depth.size(); ++k)
@@ -85,6 +87,19 @@ TEST(Monotone, OrderExistsAsByTryingAllPermutations) {
   }
   EXPECT_GT(monotone, 50);
   EXPECT_GT(others, 30);
+}
+
+// Two pairs: 0 apart, 1 and 2 hide one another; 3 touches 0 and 1 and so joins what they belong to.
+TEST(Monotone, AnObjectThatJoinsTwoGroupsLeavesNoneOut) {
+  const View view;
+  std::vector<DepthPatch> patches{flat({0, 0, 4, 4}, 1.0F), flat({8, 0, 14, 4}, 1.0F),
+                                  flat({12, 0, 18, 4}, 1.0F), flat({2, 0, 10, 4}, 0.5F)};
+  EXPECT_TRUE(monotone_order_exists(*view.cost, patches, {0.0, 0}));
+  for (int u = 12; u < 14; ++u) {
+    patches[2].depth[patches[2].index(u, 0)] = 0.9F;
+    patches[2].depth[patches[2].index(u, 3)] = 1.1F;
+  }
+  EXPECT_FALSE(monotone_order_exists(*view.cost, patches, {0.0, 0}));
 }
 
 TEST(Monotone, ChecksItsSettings) {

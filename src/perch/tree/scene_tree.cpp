@@ -15,7 +15,15 @@ SceneTree::SceneTree(const LocalizationProblem& problem, CandidateSet& set,
       settings_(settings),
       in_context_(in_context) {
   settings_.check();
-  if (!in_context) bound_.emplace(set, problem.models().size());
+  if (!in_context) {
+    bound_.emplace(set, problem.models().size());
+    return;
+  }
+  for (std::size_t model = 0; model < problem.models().size(); ++model) {
+    lone_.emplace_back(problem.copies()[model] == 0 ? 0
+                                                    : static_cast<std::size_t>(problem.grid(model).size()));
+    if (problem.optional(model)) set.add(absent_candidate(model));
+  }
 }
 
 SceneTree SceneTree::fixed(const LocalizationProblem& problem, CandidateSet& set,
@@ -30,8 +38,9 @@ SceneTree SceneTree::in_context(const LocalizationProblem& problem, CandidateSet
   return SceneTree(problem, set, makers, executor, settings, true);
 }
 
-void SceneTree::use(const ReducedCosts& reduced_costs, std::int64_t upper_bound) {
+void SceneTree::use(const ReducedCosts& reduced_costs, std::int64_t lower_bound, std::int64_t upper_bound) {
   reduced_costs_ = reduced_costs;
+  lower_bound_ = std::min(lower_bound, upper_bound);
   upper_bound_ = upper_bound;
 }
 
@@ -42,7 +51,7 @@ SceneTree::State SceneTree::root() const {
     root.bound =
         (*bound_)(nothing, static_cast<std::int64_t>(problem_.observation().size()), problem_.copies());
   }
-  if (upper_bound_) root.bound = std::max(root.bound, ReducedCosts::count(reduced_costs_.base()));
+  root.bound = std::max(root.bound, lower_bound_);
   return root;
 }
 
@@ -83,6 +92,8 @@ std::vector<SceneTree::Hypothesis> SceneTree::hypotheses_of(const Parent& parent
     if (in_context_) {
       const auto poses = static_cast<std::int64_t>(problem_.grid(model).size());
       for (std::int64_t i = 0; i < poses; ++i) hypotheses.push_back({model, 0, i});
+      for (const CandidateId id : set_.of_model(model))
+        if (set_[id].absent) hypotheses.push_back({model, id, -1});
     } else {
       for (const CandidateId id : set_.of_model(model))
         if (!upper_bound_ || lagrangian_with(parent, id) < *upper_bound_)
@@ -119,7 +130,7 @@ Expansion<SceneState> SceneTree::expand(const State& state, const StopCondition&
       [&](std::size_t i, std::size_t worker) {
         CandidateMaker& maker = makers_[worker];
         const Hypothesis& hypothesis = hypotheses[i];
-        if (!in_context_) {
+        if (!in_context_ || hypothesis.grid < 0) {
           children[i].id = hypothesis.id;
           value(state, parent, set_[hypothesis.id], maker, children[i]);
           if (upper_bound_ && parent.left_after > 0)
@@ -127,15 +138,15 @@ Expansion<SceneState> SceneTree::expand(const State& state, const StopCondition&
           return;
         }
         std::optional<Candidate>& made = children[i].made;
-        made = maker.make(hypothesis.model, problem_.grid(hypothesis.model).pose(hypothesis.grid),
-                          &parent.composite.depth);
+        made = make_in_context(hypothesis, parent.composite.depth, maker);
         if (!made) return;
-        maker.add_volumes(*made);
         value(state, parent, *made, maker, children[i]);
         made->patch = {};  // too many are made in context to keep their renderings
       },
       stop);
-  if (in_context_) hypotheses_ += static_cast<std::int64_t>(hypotheses.size());
+  if (in_context_)
+    hypotheses_ += std::count_if(hypotheses.begin(), hypotheses.end(),
+                                 [](const Hypothesis& hypothesis) { return hypothesis.grid >= 0; });
   for (Child& child : children) {
     if (!child.valid) continue;
     if (child.made) {
@@ -152,10 +163,36 @@ Expansion<SceneState> SceneTree::expand(const State& state, const StopCondition&
   return expansion;
 }
 
+/// Lazily: where the parent hides nothing that making the hypothesis looks at, it is what it is alone, to the
+/// bit, and so is the value of its edge but for the composition. Only the others are refined and rendered
+/// again.
+std::optional<Candidate> SceneTree::make_in_context(const Hypothesis& hypothesis, const DepthPatch& in_front,
+                                                    CandidateMaker& maker) {
+  const Pose grid_pose = problem_.grid(hypothesis.model).pose(hypothesis.grid);
+  Lone& lone = lone_[hypothesis.model][static_cast<std::size_t>(hypothesis.grid)];
+  const auto changed_by = [&](const CandidateMaker::Seen& seen) {
+    const Window common = intersection(seen.window, in_front.window);
+    for (int v = common.v0; v < common.v1; ++v)
+      for (int u = common.u0; u < common.u1; ++u)
+        if (in_front.at(u, v) < seen.farthest) return true;
+    return false;
+  };
+  if (lazy_ && lone.made && !changed_by(lone.seen)) {
+    reused_.fetch_add(1, std::memory_order_relaxed);
+    return lone.candidate;
+  }
+  std::optional<Candidate> made = maker.make(hypothesis.model, grid_pose, &in_front);
+  if (made) maker.add_volumes(*made);
+  if (lazy_ && !lone.made && !changed_by(maker.seen())) {
+    lone = {made, maker.seen(), true};
+    if (lone.candidate) lone.candidate->patch = {};
+  }
+  return made;
+}
+
 bool SceneTree::collides(const Candidate& candidate, const State& state) const {
-  return std::any_of(state.placed.begin(), state.placed.end(), [&](CandidateId id) {
-    return problem_.collide(candidate.model, candidate.pose, set_[id].model, set_[id].pose);
-  });
+  return std::any_of(state.placed.begin(), state.placed.end(),
+                     [&](CandidateId id) { return problem_.collide(candidate, set_[id]); });
 }
 
 void SceneTree::value(const State& state, const Parent& parent, const Candidate& candidate,
@@ -218,8 +255,7 @@ bool SceneTree::contains(const std::vector<CandidateId>& placed) const {
   for (std::size_t i = 0; i < placed.size(); ++i) {
     patches.push_back(makers_.front().patch(set_[placed[i]]));
     for (std::size_t j = 0; j < i; ++j) {
-      const Candidate &a = set_[placed[i]], &b = set_[placed[j]];
-      if (problem_.collide(a.model, a.pose, b.model, b.pose)) return false;
+      if (problem_.collide(set_[placed[i]], set_[placed[j]])) return false;
     }
   }
   return monotone_order_exists(problem_.cost(), patches, settings_);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -33,15 +34,16 @@ class SceneTree {
   static SceneTree fixed(const LocalizationProblem& problem, CandidateSet& set,
                          std::vector<CandidateMaker>& makers, const Executor& executor,
                          const MonotoneSettings& settings);
-  /// ICP in context: a child adds an object refined from a grid pose with its parent's scene in front.
-  /// Candidates made are added to the set.
+  /// ICP in context: a child adds an object refined from a grid pose with its parent's scene in front, or
+  /// leaves out an object that may be absent. Candidates made are added to the set.
   static SceneTree in_context(const LocalizationProblem& problem, CandidateSet& set,
                               std::vector<CandidateMaker>& makers, const Executor& executor,
                               const MonotoneSettings& settings);
 
   /// Over a fixed set: adds the Lagrangian bound to the tree's own, and leaves out children for which it
-  /// reaches `upper_bound`, the cost of a known scene.
-  void use(const ReducedCosts& reduced_costs, std::int64_t upper_bound);
+  /// reaches `upper_bound`, the cost of a known scene. \param lower_bound what the Lagrangian bound says of
+  /// all scenes: no less than the base of the reduced costs.
+  void use(const ReducedCosts& reduced_costs, std::int64_t lower_bound, std::int64_t upper_bound);
 
   State root() const;
   bool is_goal(const State& state) const { return state.placed.size() == problem_.object_count(); }
@@ -56,9 +58,19 @@ class SceneTree {
   /// (model, grid pose, parent) triples valued by expansions in context; 0 over a fixed set, whose candidates
   /// are valued once, when the set is made.
   std::int64_t hypotheses() const { return hypotheses_; }
+  /// Of these, the ones that the parent did not change: taken from when they stood alone, without ICP.
+  std::int64_t reused() const { return reused_; }
+  /// In context: refines and values every hypothesis anew, as a check.
+  void forget_lone_hypotheses() { lazy_ = false; }
   const CandidateSet& candidates() const { return set_; }
 
  private:
+  /// A hypothesis of the tree in context as it is without a parent scene.
+  struct Lone {
+    std::optional<Candidate> candidate;
+    CandidateMaker::Seen seen;
+    bool made = false;
+  };
   /// What all children of a state share.
   struct Parent {
     Composite composite;
@@ -78,8 +90,8 @@ class SceneTree {
   };
   struct Hypothesis {
     std::size_t model;
-    CandidateId id;     ///< over a fixed set
-    std::int64_t grid;  ///< in context
+    CandidateId id;     ///< over a fixed set, and of objects left out
+    std::int64_t grid;  ///< in context; -1 for an object left out
   };
 
   SceneTree(const LocalizationProblem& problem, CandidateSet& set, std::vector<CandidateMaker>& makers,
@@ -88,6 +100,8 @@ class SceneTree {
   Parent make_parent(const State& state) const;
   std::vector<Hypothesis> hypotheses_of(const Parent& parent) const;
   std::int64_t lagrangian_with(const Parent& parent, CandidateId id) const;
+  std::optional<Candidate> make_in_context(const Hypothesis& hypothesis, const DepthPatch& in_front,
+                                           CandidateMaker& maker);
   bool collides(const Candidate& candidate, const State& state) const;
   void value(const State& state, const Parent& parent, const Candidate& candidate, CandidateMaker& maker,
              Child& child) const;
@@ -103,8 +117,12 @@ class SceneTree {
   bool in_context_;
   ReducedCosts reduced_costs_;
   std::optional<std::int64_t> upper_bound_;  ///< set where the reduced costs are used
-  std::size_t with_volumes_ = 0;             ///< candidates of the set whose volumes are filled in
+  std::int64_t lower_bound_ = 0;
+  std::size_t with_volumes_ = 0;  ///< candidates of the set whose volumes are filled in
   std::int64_t hypotheses_ = 0;
+  bool lazy_ = true;
+  std::vector<std::vector<Lone>> lone_;  ///< in context, of each model and grid pose
+  std::atomic<std::int64_t> reused_ = 0;
 };
 
 }  // namespace perch

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "perch/candidates/candidate_set.hpp"
+
+namespace perch {
+
+/// A pose that some other detector proposes; `model` counts into the problem's models. It may be wrong.
+struct PriorPose {
+  std::size_t model = 0;
+  Pose pose;
+};
+
+/// How far a candidate is from the nearest prior of its model: metres in the plane plus the arc that the yaws
+/// differ by at the model's radius, modulo its symmetry. 0 where the model has no prior or the object is
+/// absent.
+double prior_distance(const LocalizationProblem& problem, const Candidate& candidate,
+                      const std::vector<PriorPose>& priors);
+
+/// The candidates nearest to the priors, one for each as far as there are copies, without collisions. In the
+/// order of the priors.
+std::vector<CandidateId> nearest_to_priors(const LocalizationProblem& problem, const CandidateSet& set,
+                                           const std::vector<PriorPose>& priors);
+
+}  // namespace perch

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace perch {
+
+/// A value in a JSON file that knows the file and the key path that leads to it, so that every complaint is
+/// one line `<file>: <key>: <value and what is wrong>; <remedy>`. All readers throw InputError. For use
+/// inside io.
+class JsonEntry {
+ public:
+  /// The value in a file of at most 8 MB. Refuses repeated keys and values nested deeper than 16 levels.
+  static JsonEntry read(const std::filesystem::path& file);
+
+  [[noreturn]] void fail(const std::string& what_and_remedy) const;
+  /// What stands here, for messages, in JSON; "a list" or "a map" for these.
+  std::string value() const;
+
+  /// The value of a key; throws where this is no map or the key is missing.
+  JsonEntry operator[](std::string_view key) const;
+  /// True where this is a map that has the key.
+  bool contains(std::string_view key) const;
+  bool is_null() const { return json_->is_null(); }
+
+  double number() const;         ///< finite
+  std::int64_t integer() const;  ///< whole, of either sign; 812.0 is
+  bool boolean() const;
+  std::string text() const;
+  std::vector<JsonEntry> items() const;
+
+ private:
+  JsonEntry(std::shared_ptr<const nlohmann::json> root, const nlohmann::json* json,
+            std::shared_ptr<const std::string> file, std::string key)
+      : root_(std::move(root)), json_(json), file_(std::move(file)), key_(std::move(key)) {}
+
+  std::shared_ptr<const nlohmann::json> root_;
+  const nlohmann::json* json_;
+  std::shared_ptr<const std::string> file_;  ///< as messages show it
+  std::string key_;
+};
+
+}  // namespace perch

@@ -1,0 +1,174 @@
+#include "perch/io/result_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <new>
+
+#include "perch/core/error.hpp"
+#include "perch/io/json_entry.hpp"
+#include "perch/io/message.hpp"
+
+namespace perch {
+namespace {
+
+/// A name as result.json can hold it: bytes that are not UTF-8 are written as U+FFFD.
+std::string as_written(const std::string& name) {
+  const nlohmann::json json = name;
+  return nlohmann::json::parse(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))
+      .get<std::string>();
+}
+
+/// The file's entries as values; holds what they are checked against.
+class ResultReader {
+ public:
+  explicit ResultReader(const Scene& scene) {
+    for (const SceneModel& model : scene.models) names_.push_back(as_written(model.name));
+  }
+
+  ReportedResult read(const JsonEntry& root) const {
+    const JsonEntry version = root["version"];
+    if (version.integer() != 1)
+      version.fail(fmt::format("{} is not a version that can be read; give version 1", version.value()));
+    ReportedResult result;
+    result.status = status(root["status"]);
+    result.cost = count_or_null(root["cost"]);
+    result.cost_observed = count_or_null(root["cost_observed"]);
+    result.cost_rendered = count_or_null(root["cost_rendered"]);
+    result.observed_points = root["observed_points"].integer();
+    result.search_cost = count_or_null(root["search_cost"]);
+    result.lower_bound = root["lower_bound"].integer();
+    if (const JsonEntry bound = root["suboptimality_bound"]; !bound.is_null())
+      result.suboptimality_bound = bound.number();
+    result.guarantee = guarantee(root["guarantee"]);
+    for (const JsonEntry& entry : records(root["search_objects"]))
+      result.search_objects.push_back({model(entry["model"]), pose(entry)});
+    for (const JsonEntry& entry : records(root["objects"])) result.objects.push_back(object(entry));
+    result.stats = stats(root["stats"]);
+    return result;
+  }
+
+ private:
+  static Status status(const JsonEntry& entry) {
+    const std::string word = entry.text();
+    if (word == "solved") return Status::solved;
+    if (word == "time_limit") return Status::time_limit;
+    if (word == "infeasible") return Status::infeasible;
+    entry.fail(fmt::format("{} is no status; {}", entry.value(),
+                           did_you_mean(word, {"solved", "time_limit", "infeasible"})));
+  }
+
+  static std::optional<std::int64_t> count_or_null(const JsonEntry& entry) {
+    return entry.is_null() ? std::nullopt : std::optional(entry.integer());
+  }
+
+  static std::vector<JsonEntry> records(const JsonEntry& entry) {
+    constexpr std::size_t most = 1000;  // as in a scene file
+    auto items = entry.items();
+    if (items.size() > most) entry.fail(fmt::format("has {} entries; give at most {}", items.size(), most));
+    return items;
+  }
+
+  static Guarantee guarantee(const JsonEntry& entry) {
+    Guarantee g;
+    g.w = entry["w"].number();
+    g.over = entry["over"].text();
+    g.delta = entry["delta"].number();
+    g.missing_depth = entry["missing_depth"].text();
+    const JsonEntry collision = entry["collision"];
+    g.collision_penetration = collision["penetration"].number();
+    g.collision_overlap = collision["overlap"].number();
+    g.resolution_m = entry["resolution_m"].number();
+    g.yaw_resolution_rad = entry["yaw_resolution_rad"].number();
+    g.candidates = entry["candidates"].integer();
+    g.refine = entry["refine"].text();
+    g.search = entry["search"].text();
+    return g;
+  }
+
+  static Pose pose(const JsonEntry& entry) {
+    constexpr double farthest = 1e6;  // beyond it, float has no use for pixels
+    const auto coordinate = [&](const char* key) {
+      const JsonEntry value = entry[key];
+      const double metres = value.number();
+      if (!(metres >= -farthest && metres <= farthest))
+        value.fail(fmt::format("{} m is beyond {} m; give metres", value.value(), farthest));
+      return metres;
+    };
+    return {coordinate("x"), coordinate("y"), entry["yaw"].number()};
+  }
+
+  static Eigen::Matrix4d matrix(const JsonEntry& entry) {
+    const auto rows = entry.items();
+    if (rows.size() != 4) entry.fail(fmt::format("has {} rows; give a 4 x 4 matrix", rows.size()));
+    Eigen::Matrix4d matrix;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto values = rows[i].items();
+      if (values.size() != 4) rows[i].fail(fmt::format("has {} values; give a 4 x 4 matrix", values.size()));
+      for (std::size_t j = 0; j < 4; ++j)
+        matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = values[j].number();
+    }
+    return matrix;
+  }
+
+  std::size_t model(const JsonEntry& entry) const {
+    const std::string name = entry.text();
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    if (found == names_.end())
+      entry.fail(fmt::format("{} is no model of the scene; {}", entry.value(), did_you_mean(name, names_)));
+    return static_cast<std::size_t>(found - names_.begin());
+  }
+
+  ReportedObject object(const JsonEntry& entry) const {
+    ReportedObject object;
+    object.model = model(entry["model"]);
+    object.absent = entry.contains("absent") && entry["absent"].boolean();
+    if (object.absent) return object;
+    object.pose = pose(entry);
+    object.world_from_model = matrix(entry["world_from_model"]);
+    object.camera_from_model = matrix(entry["camera_from_model"]);
+    object.visible_pixels = entry["visible_pixels"].integer();
+    object.visible_fraction = entry["visible_fraction"].number();
+    object.explained_fraction = entry["explained_fraction"].number();
+    return object;
+  }
+
+  static Stats stats(const JsonEntry& entry) {
+    const auto workers = [&](const char* key) {
+      const JsonEntry value = entry[key];
+      const std::int64_t number = value.integer();
+      if (number < 1 || number > 1'000'000)
+        value.fail(fmt::format("{} is not from 1 to 1000000; give a number of workers", value.value()));
+      return static_cast<int>(number);
+    };
+    Stats s;
+    s.rendered = entry["rendered"].integer();
+    s.generated = entry["generated"].integer();
+    s.expanded = entry["expanded"].integer();
+    s.threads = workers("threads");
+    s.ranks = workers("ranks");
+    const JsonEntry seconds = entry["seconds"];
+    s.seconds = {seconds["total"].number(), seconds["render"].number(), seconds["refine"].number(),
+                 seconds["cost"].number(), seconds["search"].number()};
+    return s;
+  }
+
+  std::vector<std::string> names_;  ///< of the scene's models, as written
+};
+
+}  // namespace
+
+ReportedResult read_result(const std::filesystem::path& path, const Scene& scene) {
+  try {
+    return ResultReader(scene).read(JsonEntry::read(path));
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw InputError(
+        fmt::format("{}: there is not enough memory to read it; give a smaller file", shown(path)));
+  } catch (const std::exception& e) {
+    throw InputError(fmt::format("{}: can't be read ({}); check the file", shown(path), one_line(e.what())));
+  }
+}
+
+}  // namespace perch

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "perch/localize/result.hpp"
+#include "perch/localize/scene.hpp"
+
+namespace perch {
+
+/// One record of `objects` as a result.json states it.
+struct ReportedObject {
+  std::size_t model = 0;  ///< counts into Scene::models
+  bool absent = false;    ///< an optional object that was left out: nothing below holds
+  Pose pose;
+  Eigen::Matrix4d world_from_model = Eigen::Matrix4d::Identity();
+  Eigen::Matrix4d camera_from_model = Eigen::Matrix4d::Identity();
+  std::int64_t visible_pixels = 0;
+  double visible_fraction = 0.0;
+  double explained_fraction = 0.0;
+};
+
+/// What a result.json states, right or wrong: nothing is derived and nothing put straight.
+struct ReportedResult {
+  Status status = Status::infeasible;
+  std::optional<std::int64_t> cost, cost_observed, cost_rendered;
+  std::int64_t observed_points = 0;
+  std::optional<std::int64_t> search_cost;
+  std::int64_t lower_bound = 0;
+  std::optional<double> suboptimality_bound;
+  Guarantee guarantee;
+  std::vector<PlacedModel> search_objects;
+  std::vector<ReportedObject> objects;
+  Stats stats;
+};
+
+/// Reads a result.json of the scene. Keys that are not known are skipped. Throws InputError, one line
+/// `<file>: <key>: <value and what is wrong>; <remedy>`, for anything that is no JSON, repeats a key, lacks
+/// one, holds another type than it should (a count that is not whole) or a model that the scene doesn't have;
+/// and nothing else. Whether the values are true is not its business.
+ReportedResult read_result(const std::filesystem::path& path, const Scene& scene);
+
+}  // namespace perch

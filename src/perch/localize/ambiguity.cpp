@@ -1,0 +1,202 @@
+#include "perch/localize/ambiguity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "perch/localize/candidate_floor.hpp"
+#include "perch/localize/polish.hpp"
+#include "perch/localize/pose_descent.hpp"
+
+namespace perch {
+namespace {
+
+constexpr std::size_t batch_size = 8;  // candidates valued at a time
+constexpr int exchanges = 3;           // answers that may be replaced by their runner-up
+constexpr double close_call = 10.0;    // increases above this many roots of the support need no descent
+constexpr double significant = 0.5;    // an increase of this many roots of the support tells two poses apart
+constexpr double least_evidence = 100.0;  // points: fewer can lie anywhere by chance
+
+/// The poses that count as the answer's own.
+class Neighbourhood {
+ public:
+  Neighbourhood(const Pose& centre, const Symmetry& symmetry, const AmbiguitySettings& settings)
+      : centre_(centre), symmetry_(symmetry), settings_(settings) {}
+
+  bool contains(const Pose& pose) const {
+    return std::hypot(pose.x - centre_.x, pose.y - centre_.y) <= settings_.distance &&
+           symmetry_.yaw_difference(pose.yaw, centre_.yaw) <= settings_.yaw;
+  }
+
+  /// Poses just outside: shifted in eight directions, turned both ways.
+  void append_ring(std::vector<Trial>& trials) const {
+    constexpr double outside = 1.0 + 1e-6;
+    for (int k = 0; k < 8; ++k) {
+      const double angle = k * std::numbers::pi / 4.0, shift = outside * settings_.distance;
+      trials.push_back(
+          {{centre_.x + shift * std::cos(angle), centre_.y + shift * std::sin(angle), centre_.yaw}});
+    }
+    if (!symmetry_.is_continuous() && outside * settings_.yaw < 0.5 * symmetry_.period())
+      for (const double turn : {outside * settings_.yaw, -outside * settings_.yaw})
+        trials.push_back({{centre_.x, centre_.y, centre_.yaw + turn}});
+  }
+
+ private:
+  Pose centre_;
+  const Symmetry& symmetry_;
+  const AmbiguitySettings& settings_;
+};
+
+class Judge {
+ public:
+  Judge(const LocalizationProblem& problem, const CandidateSet& set, std::vector<CandidateMaker>& makers,
+        const Executor& executor, const AmbiguitySettings& settings, const DescentSettings& descent,
+        const StopCondition& stop)
+      : problem_(problem),
+        set_(set),
+        settings_(settings),
+        descent_(descent),
+        trials_(problem, makers, executor, stop) {}
+
+  /// Empty where the stop condition struck.
+  std::optional<ObjectJudgement> judge(const ArrangedScene& scene, std::size_t place) {
+    better_.reset();
+    found_.clear();
+    left_ = settings_.trials;
+    trials_.take_out(scene.placed, place);
+    ObjectJudgement judgement;
+    const auto answer = trials_.run_one(scene.placed[place].pose);
+    if (!answer) return judgement;  // none of it is in view
+    judgement.visible = trials_.visible_points(scene.placed, place);
+    judgement.support = trials_.cost_without() - answer->cost;
+    const Neighbourhood own(answer->pose, trials_.model().symmetry(), settings_);
+    if (!find_others(own) || !move_downhill(own, *answer)) return std::nullopt;
+
+    std::optional<std::int64_t> increase;
+    if (!found_.empty()) {
+      increase = found_.front().cost - answer->cost;
+      judgement.runner_up = RunnerUp{found_.front().pose, *increase};
+    }
+    judgement.confidence = confidence(judgement.visible, judgement.support, increase);
+    const TrialOrder order(trials_, *answer, descent_);
+    for (const TrialResult& other : found_)
+      if (!better_ && other.cost < answer->cost && order.improves(other, *answer)) better_ = other;
+    return judgement;
+  }
+
+  /// A pose that the rule of the polish prefers to the one judged last.
+  const std::optional<TrialResult>& better() const { return better_; }
+
+ private:
+  /// Values the poses around the answer's neighbourhood, then candidates by ascending floor until none of the
+  /// rest can be cheaper than the best. False where the stop condition struck.
+  bool find_others(const Neighbourhood& own) {
+    batch_.clear();
+    own.append_ring(batch_);
+    if (!run_batch(own)) return false;
+
+    const CandidateFloor floor_of(problem_.cost(), trials_.others());
+    std::vector<std::pair<std::int64_t, CandidateId>> order;
+    for (CandidateId id = 0; id < set_.size(); ++id)
+      if (set_[id].model == trials_.model_number() && !own.contains(set_[id].pose))
+        order.emplace_back(floor_of(set_[id]), id);
+    std::sort(order.begin(), order.end());
+    for (std::size_t i = 0; i < order.size() && left_ > 0;) {
+      batch_.clear();
+      for (; i < order.size() && batch_.size() < batch_size; ++i)
+        if (found_.empty() || order[i].first < found_.front().cost)
+          batch_.push_back({set_[order[i].second].pose});
+      if (batch_.empty()) break;
+      if (!run_batch(own)) return false;
+    }
+    return true;
+  }
+
+  /// Moves the best few of those found, each another pose than the others, as far down as they get outside
+  /// the answer's neighbourhood. False where the stop condition struck.
+  bool move_downhill(const Neighbourhood& own, const TrialResult& answer) {
+    const double support =
+        static_cast<double>(std::max<std::int64_t>(1, trials_.cost_without() - answer.cost));
+    const std::int64_t limit = answer.cost + static_cast<std::int64_t>(close_call * std::sqrt(support));
+    std::vector<TrialResult> starts;
+    for (const TrialResult& other : found_) {
+      if (starts.size() == static_cast<std::size_t>(settings_.descents) || other.cost > limit) break;
+      if (std::none_of(starts.begin(), starts.end(), [&](const TrialResult& start) {
+            return Neighbourhood(start.pose, trials_.model().symmetry(), settings_).contains(other.pose);
+          }))
+        starts.push_back(other);
+    }
+    PoseDescent descent(trials_, descent_, left_);
+    for (const TrialResult& start : starts) {
+      found_.push_back(descent.run(start, false, [&](const Pose& pose) { return !own.contains(pose); }));
+      if (trials_.stopped()) return false;
+    }
+    sort_found();
+    return true;
+  }
+
+  bool run_batch(const Neighbourhood& own) {
+    left_ -= static_cast<std::int64_t>(batch_.size());
+    if (!trials_.run(batch_, answers_)) return false;
+    for (const auto& answer : answers_)
+      if (answer && !own.contains(answer->pose)) found_.push_back(*answer);
+    sort_found();
+    return true;
+  }
+
+  void sort_found() {
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const TrialResult& a, const TrialResult& b) { return a.cost < b.cost; });
+  }
+
+  const LocalizationProblem& problem_;
+  const CandidateSet& set_;
+  const AmbiguitySettings& settings_;
+  const DescentSettings& descent_;
+  ObjectTrials trials_;
+  std::int64_t left_ = 0;
+  std::vector<Trial> batch_;
+  std::vector<std::optional<TrialResult>> answers_;
+  std::vector<TrialResult> found_;  ///< other poses, cheapest first
+  std::optional<TrialResult> better_;
+};
+
+}  // namespace
+
+double confidence(std::int64_t visible, std::int64_t support, std::optional<std::int64_t> increase) {
+  if (support <= 0) return 0.0;
+  const double s = static_cast<double>(support);
+  const double supported = std::min(1.0, s / (0.5 * (static_cast<double>(visible) + least_evidence)));
+  if (!increase) return supported;
+  const double margin = static_cast<double>(*increase) / std::sqrt(s);
+  return supported * std::max(0.0, 1.0 - std::exp(-margin / significant));
+}
+
+JudgedScene judge(const LocalizationProblem& problem, const CandidateSet& set,
+                  std::vector<CandidateMaker>& makers, const Executor& executor, ArrangedScene scene,
+                  const AmbiguitySettings& settings, const PolishSettings& polish_settings,
+                  const StopCondition& stop) {
+  JudgedScene judged{std::move(scene), {}};
+  if (settings.trials == 0) return judged;
+  Judge judge_object(problem, set, makers, executor, settings, polish_settings.descent, stop);
+  for (int left = polish_settings.rounds > 0 ? exchanges : 0;; --left) {
+    judged.objects.clear();
+    std::size_t place = 0;
+    for (; place < judged.scene.placed.size(); ++place) {
+      auto judgement = judge_object.judge(judged.scene, place);
+      if (!judgement || stop()) {
+        judged.objects.clear();
+        return judged;
+      }
+      if (left > 0 && judge_object.better()) break;
+      judged.objects.push_back(*judgement);
+    }
+    if (place == judged.scene.placed.size()) return judged;
+    judged.scene.placed[place].pose = judge_object.better()->pose;
+    judged.scene.cost = judge_object.better()->cost;
+    judged.scene = polish(problem, makers, executor, judged.scene, polish_settings, stop);
+  }
+}
+
+}  // namespace perch

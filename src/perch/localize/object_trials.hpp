@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "perch/candidates/candidate_maker.hpp"
+#include "perch/candidates/problem.hpp"
+#include "perch/core/stop.hpp"
+#include "perch/localize/scene.hpp"
+#include "perch/parallel/executor.hpp"
+
+namespace perch {
+
+/// All the objects of a scene, and its flat J.
+struct ArrangedScene {
+  std::vector<PlacedModel> placed;
+  std::int64_t cost = 0;
+};
+
+/// A pose to be tried: as it is, or after ICP with the other objects in front.
+struct Trial {
+  Pose pose;
+  bool align = false;
+};
+
+/// The pose that was tried, and what the scene is worth with the object there.
+struct TrialResult {
+  Pose pose;
+  std::int64_t cost = 0;  ///< J
+  double residual = 1.0;  ///< as Placing::residual
+};
+
+/// Tries poses of one object of a scene while all the others stay where they are. Every cost is exact, and
+/// the same for every executor.
+class ObjectTrials {
+ public:
+  /// Keeps references. \param makers one for each worker of the executor.
+  ObjectTrials(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
+               const Executor& executor, const StopCondition& stop);
+
+  /// Takes the object at `place` out of a scene; the trials that follow put it back.
+  void take_out(const std::vector<PlacedModel>& scene, std::size_t place);
+  const ObjectModel& model() const { return problem_.models()[model_]; }
+  std::size_t model_number() const { return model_; }
+  /// The other objects.
+  const Composite& others() const { return others_; }
+  /// J of the other objects alone.
+  std::int64_t cost_without() const { return problem_.cost().counts(others_).total(); }
+  /// True where the object would lie in its workspace and touch none of the others.
+  bool fits(const Pose& pose) const;
+
+  /// How many points of the object that was taken out are in view at the pose it had.
+  std::int64_t visible_points(const std::vector<PlacedModel>& scene, std::size_t place);
+
+  /// One answer for each trial, in order; empty where the object doesn't fit or no pixel of it is in view.
+  /// Yaws are canonical. False where the stop condition struck first: then the answers are not complete.
+  bool run(const std::vector<Trial>& trials, std::vector<std::optional<TrialResult>>& answers);
+  /// A single trial of a pose as it is, on the calling thread.
+  std::optional<TrialResult> run_one(const Pose& pose);
+  bool stopped() const { return stop_(); }
+  /// How many trials were run.
+  std::int64_t count() const { return count_; }
+
+ private:
+  std::optional<TrialResult> run(const Trial& trial, CandidateMaker& maker) const;
+
+  /// The rendering of the object at `place`, drawn again only where it has moved.
+  const DepthPatch& drawing(const std::vector<PlacedModel>& scene, std::size_t place);
+
+  const LocalizationProblem& problem_;
+  std::vector<CandidateMaker>& makers_;
+  const Executor& executor_;
+  const StopCondition& stop_;
+  std::size_t model_ = 0;
+  std::vector<PlacedModel> standing_;  ///< the other objects
+  Composite others_;
+  CostChange scratch_;
+  Rasterizer rasterizer_;
+  std::vector<PlacedModel> drawn_;
+  std::vector<DepthPatch> drawings_;  ///< of drawn_
+  std::int64_t count_ = 0;
+};
+
+}  // namespace perch
