@@ -170,6 +170,14 @@ std::vector<Tampering> tamperings() {
                   add(o["explained_fraction"], -10.0 / o["visible_pixels"].get<double>());
                 },
                 "objects[2].explained_fraction"},
+      Tampering{"cost_increase",
+                [](Json& r) {
+                  r["objects"][0]["runner_up"]["cost_increase"] = above("objects[0].runner_up.cost_increase");
+                },
+                "objects[0].runner_up.cost_increase"},
+      Tampering{"runner_up_moved", [](Json& r) { add(r["objects"][1]["runner_up"]["y"], 0.02); },
+                "objects[1].runner_up.cost_increase"},
+      Tampering{"confidence", [](Json& r) { r["objects"][1]["confidence"] = 1.01; }, "objects[1].confidence"},
       Tampering{"lower_bound_above_search_cost",
                 [](Json& r) {
                   r["lower_bound"] = r["search_cost"].get<std::int64_t>() + 1;

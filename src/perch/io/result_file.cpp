@@ -130,6 +130,12 @@ class ResultReader {
     object.visible_pixels = entry["visible_pixels"].integer();
     object.visible_fraction = entry["visible_fraction"].number();
     object.explained_fraction = entry["explained_fraction"].number();
+    if (entry.contains("confidence") && !entry["confidence"].is_null())
+      object.confidence = entry["confidence"].number();
+    if (entry.contains("runner_up") && !entry["runner_up"].is_null()) {
+      const JsonEntry other = entry["runner_up"];
+      object.runner_up = RunnerUp{pose(other), other["cost_increase"].integer()};
+    }
     return object;
   }
 

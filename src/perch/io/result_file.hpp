@@ -21,6 +21,8 @@ struct ReportedObject {
   std::int64_t visible_pixels = 0;
   double visible_fraction = 0.0;
   double explained_fraction = 0.0;
+  std::optional<double> confidence;   ///< empty where null or not there
+  std::optional<RunnerUp> runner_up;  ///< the same
 };
 
 /// What a result.json states, right or wrong: nothing is derived and nothing put straight.

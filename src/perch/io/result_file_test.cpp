@@ -55,6 +55,8 @@ Result result() {
   r.objects[0].visible_pixels = 2210;
   r.objects[0].visible_fraction = 1.0 / 7.0;
   r.objects[0].explained_fraction = 0.97;
+  r.objects[0].confidence = 0.75;
+  r.objects[0].runner_up = RunnerUp{{0.5, 0.25, -0.125}, -3};
   r.objects[1].model = "can\xff";
   r.stats = {15564, 100, 7, 4, 2, {1.5, 0.25, 0.5, 0.125, 0.1}};
   return r;
@@ -97,6 +99,12 @@ TEST(ResultFile, ReadsWhatIsWritten) {
   EXPECT_EQ(mug.visible_pixels, 2210);
   EXPECT_EQ(mug.visible_fraction, 1.0 / 7.0);
   EXPECT_EQ(mug.explained_fraction, 0.97);
+  EXPECT_EQ(mug.confidence, 0.75);
+  ASSERT_TRUE(mug.runner_up);
+  EXPECT_EQ(mug.runner_up->pose, (Pose{0.5, 0.25, -0.125}));
+  EXPECT_EQ(mug.runner_up->cost_increase, -3);
+  EXPECT_EQ(read_back.objects[1].confidence, std::nullopt);
+  EXPECT_FALSE(read_back.objects[1].runner_up);
   EXPECT_EQ(read_back.objects[1].model, 1U);
   EXPECT_EQ(read_back.stats.rendered, 15564);
   EXPECT_EQ(read_back.stats.threads, 4);
@@ -157,6 +165,9 @@ TEST(ResultFile, RefusesWhatIsNoResult) {
       {[](Json& r) { r["objects"][0] = 1; }, {"objects[0]", "a map is expected"}},
       {[](Json& r) { r["objects"][0]["model"] = "mugs"; },
        {"objects[0].model", "\"mugs\"", "did you mean mug"}},
+      {[](Json& r) { r["objects"][0]["confidence"] = "sure"; }, {"objects[0].confidence", "\"sure\""}},
+      {[](Json& r) { r["objects"][0]["runner_up"]["cost_increase"] = 0.5; },
+       {"objects[0].runner_up.cost_increase", "0.5"}},
       {[](Json& r) { r["objects"][0]["absent"] = 1; }, {"objects[0].absent", "neither true nor false"}},
       {[](Json& r) { r["objects"][0]["world_from_model"].erase(3); },
        {"objects[0].world_from_model", "3 rows"}},

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "perch/verify/ray_mesh.hpp"
 

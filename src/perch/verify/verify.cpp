@@ -52,8 +52,11 @@ class Verification {
     std::vector<PlacedModel> placed;
     for (const ReportedObject& object : result_.objects)
       if (!object.absent) placed.push_back({object.model, object.pose});
-    if (result_.cost || !placed.empty()) check_objects(placed);
-    if (result_.search_cost || !result_.search_objects.empty()) check_searched(placed);
+    // What places more objects than the scene has is wrong already, and might take for ever.
+    const std::size_t most = scene_.objects.size();
+    if ((result_.cost || !placed.empty()) && placed.size() <= most) check_objects(placed);
+    if ((result_.search_cost || !result_.search_objects.empty()) && result_.search_objects.size() <= most)
+      check_searched(placed);
     return std::move(checks_);
   }
 
@@ -73,15 +76,22 @@ class Verification {
     return pose;
   }
 
-  SceneView view_of(const std::vector<PlacedModel>& placed) const {
+  /// What is seen of the `number`-th object of a scene when it stands alone.
+  std::vector<Sighting> sightings_of(const PlacedModel& placed, std::uint32_t number) const {
+    return sightings(scene_.models[placed.model].mesh, camera_from_world_ * world_from_model(placed),
+                     scene_.camera.intrinsics, number);
+  }
+  using EachSighting = std::vector<std::vector<Sighting>>;
+  EachSighting each_of(const std::vector<PlacedModel>& placed) const {
+    EachSighting each;
+    for (const PlacedModel& object : placed)
+      each.push_back(sightings_of(object, static_cast<std::uint32_t>(each.size())));
+    return each;
+  }
+  static SceneView view_of(const EachSighting& each) {
     std::vector<Sighting> all;
-    for (std::uint32_t i = 0; i < placed.size(); ++i) {
-      const auto seen =
-          sightings(scene_.models[placed[i].model].mesh, camera_from_world_ * world_from_model(placed[i]),
-                    scene_.camera.intrinsics, i);
-      all.insert(all.end(), seen.begin(), seen.end());
-    }
-    return {std::move(all), placed.size()};
+    for (const auto& seen : each) all.insert(all.end(), seen.begin(), seen.end());
+    return {std::move(all), each.size()};
   }
 
   CostRange cost_of(const SceneView& view) const {
@@ -91,7 +101,8 @@ class Verification {
   }
 
   void check_objects(const std::vector<PlacedModel>& placed) {
-    const SceneView view = view_of(placed);
+    EachSighting each = each_of(placed);
+    const SceneView view = view_of(each);
     const CostRange cost = cost_of(view);
     searched_cost_ = cost.total();
     add_count("cost", result_.cost, cost.total());
@@ -102,6 +113,7 @@ class Verification {
       if (result_.objects[i].absent) continue;
       check_object(fmt::format("objects[{}].", i), result_.objects[i], placed[next], view.visible()[next],
                    view.alone()[next], cost.explained[next]);
+      check_other_poses(fmt::format("objects[{}].", i), result_.objects[i], each, next);
       ++next;
     }
     check_collisions("objects", placed);
@@ -122,6 +134,22 @@ class Verification {
     check_fraction(prefix + "explained_fraction", object.explained_fraction, "{} / visible_pixels", explained,
                    object.explained_fraction * pixels,
                    [&](double part) { return pixels > 0.0 ? part / pixels : 0.0; });
+  }
+
+  /// \param each sightings of all objects; the same on return. \param number of this object among them.
+  void check_other_poses(const std::string& prefix, const ReportedObject& object, EachSighting& each,
+                         std::size_t number) {
+    if (object.confidence)
+      add(prefix + "confidence", fmt::format("{}", *object.confidence), "from 0 to 1",
+          *object.confidence >= 0.0 && *object.confidence <= 1.0);
+    if (!object.runner_up || !result_.cost) return;
+    std::vector<Sighting> elsewhere =
+        sightings_of({object.model, object.runner_up->pose}, static_cast<std::uint32_t>(number));
+    elsewhere.swap(each[number]);
+    const CountRange cost = cost_of(view_of(each)).total();
+    elsewhere.swap(each[number]);
+    add_count(prefix + "runner_up.cost_increase", object.runner_up->cost_increase,
+              {cost.low - *result_.cost, cost.high - *result_.cost});
   }
 
   /// \param meant the count that the fraction stands for, before it is made whole. \param fraction_of the
@@ -147,7 +175,7 @@ class Verification {
 
   void check_searched(const std::vector<PlacedModel>& placed) {
     if (!searched_cost_ || !same(placed, result_.search_objects)) {
-      searched_cost_ = cost_of(view_of(result_.search_objects)).total();
+      searched_cost_ = cost_of(view_of(each_of(result_.search_objects))).total();
       check_collisions("search_objects", result_.search_objects);
     }
     add_count("search_cost", result_.search_cost, *searched_cost_);
@@ -180,9 +208,10 @@ class Verification {
     std::vector<Eigen::AlignedBox3d> bounds;
     for (const PlacedModel& object : placed) bounds.push_back(bounds_of(object));
     Overlap most;
+    constexpr std::size_t most_named = 20;
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < placed.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j) {
+      for (std::size_t j = 0; j < i && wrong < most_named; ++j) {
         if (!bounds[i].intersects(bounds[j])) continue;
         const PlacedSolid a{&solid_of(placed[i].model), world_from_model(placed[i])},
             b{&solid_of(placed[j].model), world_from_model(placed[j])};

@@ -131,6 +131,16 @@ TEST(VerifyFacade, AnEmptySceneCostsAllThatWasObserved) {
   EXPECT_FALSE(named(checks, "search_cost").back().holds);
 }
 
+TEST(VerifyFacade, MoreObjectsThanTheSceneHasAreNotLookedAt) {
+  ReportedResult r = entered_by(0.0);
+  r.objects.resize(1000, r.objects[0]);
+  r.search_objects.resize(1000, r.search_objects[0]);
+  const Checks checks = verify(block_and_plate(), r, {});
+  EXPECT_TRUE(named(checks, "collide").empty());
+  EXPECT_FALSE(named(checks, "objects, how many").front().holds);
+  EXPECT_FALSE(named(checks, "search_objects: block").front().holds);
+}
+
 TEST(VerifyFacade, TheSettingsAreThoseStated) {
   Guarantee guarantee;
   guarantee.delta = 0.004;
