@@ -102,14 +102,22 @@ int localize_scenes(const LocalizeOptions& options) {
   settings.check_together();
   const auto executor = make_executor(settings.threads);
   const std::size_t n = options.scenes.size();
-  if (n > 1)  // A broken one is refused before any other is worked on and written.
-    for (const std::string& scene : options.scenes) read_inputs(scene, options);
+  const auto output_of = [&](std::size_t i, const Scene& scene) {
+    const std::filesystem::path directory(options.output);
+    return n > 1 ? directory / fmt::format("{}_{}", i, scene.name) : directory;
+  };
+  // A broken one, or a place that can't be written to, is refused before any is worked on and written.
+  std::optional<Scene> read;
+  for (std::size_t i = 0; i < n; ++i) {
+    read = read_inputs(options.scenes[i], options);
+    if (!options.output.empty()) rehearse_outputs(output_of(i, *read));
+  }
   int status = exit_solved;
   for (std::size_t i = 0; i < n; ++i) {
     // Each scene gets its share of what is left of the command's time.
     const double left = (settings.time_limit - watch.seconds()) / static_cast<double>(n - i);
     const StopCondition stop = StopCondition::after(left);
-    const Scene scene = read_inputs(options.scenes[i], options);
+    const Scene scene = n == 1 ? std::move(*read) : read_inputs(options.scenes[i], options);
     std::optional<Result> result;
     {
       ProgressLine progress(options.quiet);
@@ -117,11 +125,7 @@ int localize_scenes(const LocalizeOptions& options) {
         return localize(scene, settings, *executor, stop, [&](const Progress& p) { progress(p); });
       });
     }
-    if (!options.output.empty()) {
-      std::filesystem::path directory(options.output);
-      if (n > 1) directory /= fmt::format("{}_{}", i, scene.name);
-      write_outputs(scene, *result, settings, *executor, directory);
-    }
+    if (!options.output.empty()) write_outputs(scene, *result, settings, *executor, output_of(i, scene));
     if (!options.quiet) print_table(scene, *result);
     if (result->status == Status::infeasible)
       fmt::print(stderr, "perch: {}: no solution: {}\n", scene.name, result->reason);

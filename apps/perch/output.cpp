@@ -11,6 +11,13 @@
 
 namespace perch::app {
 
+void rehearse_outputs(const std::filesystem::path& directory) {
+  OutputSet outputs;
+  for (const char* name : {"result.json", "trace.jsonl", "rendered_depth.png", "picture.png"})
+    outputs.add(name, "");
+  outputs.rehearse(directory);
+}
+
 void write_outputs(const Scene& scene, const Result& result, const Settings& settings,
                    const Executor& executor, const std::filesystem::path& directory) {
   std::optional<SceneRendering> rendering;

@@ -9,9 +9,12 @@
 
 namespace perch::app {
 
-/// Writes result.json, picture.png and, where there is a scene, rendered_depth.png: all of them or none.
-/// Where there is no scene, the rendered_depth.png of an earlier run is removed. Throws InputError where they
-/// can't be written.
+/// Throws InputError where write_outputs would, for reasons that can be seen beforehand. Leaves nothing.
+void rehearse_outputs(const std::filesystem::path& directory);
+
+/// Writes result.json, trace.jsonl, picture.png and, where there is a scene, rendered_depth.png: all of them
+/// or none. Where there is no scene, the rendered_depth.png of an earlier run is removed. Throws InputError
+/// where they can't be written.
 void write_outputs(const Scene& scene, const Result& result, const Settings& settings,
                    const Executor& executor, const std::filesystem::path& directory);
 

@@ -72,6 +72,21 @@ fs::path temporary_name(const fs::path& directory) {
   return directory / fmt::format(".perch-{}-{}.part", ::getpid(), count++);
 }
 
+/// Names and bytes as in OutputSet.
+std::vector<fs::path> write_temporaries(const std::vector<std::pair<std::string, std::string>>& files,
+                                        const fs::path& directory, Undo& undo) {
+  make_directories(directory.has_filename() ? directory : directory.parent_path(), undo);
+  std::vector<fs::path> temporaries;
+  std::error_code error;
+  for (const auto& [name, bytes] : files) {
+    const fs::path target = directory / name;
+    if (fs::is_directory(target, error)) fail(target, "can't be written", "it is a directory");
+    temporaries.push_back(temporary_name(directory));
+    write_new_file(temporaries.back(), target, bytes, undo);
+  }
+  return temporaries;
+}
+
 }  // namespace
 
 void OutputSet::add(std::string name, std::string bytes) {
@@ -83,20 +98,18 @@ void OutputSet::add(std::string name, std::string bytes) {
 void OutputSet::commit(const fs::path& wanted) const {
   const fs::path directory = wanted.empty() ? fs::path(".") : wanted.lexically_normal();
   Undo undo;
-  make_directories(directory.has_filename() ? directory : directory.parent_path(), undo);
-  std::vector<fs::path> temporaries;
+  const std::vector<fs::path> temporaries = write_temporaries(files_, directory, undo);
   std::error_code error;
-  for (const auto& [name, bytes] : files_) {
-    const fs::path target = directory / name;
-    if (fs::is_directory(target, error)) fail(target, "can't be written", "it is a directory");
-    temporaries.push_back(temporary_name(directory));
-    write_new_file(temporaries.back(), target, bytes, undo);
-  }
   for (std::size_t i = 0; i < files_.size(); ++i) {
     fs::rename(temporaries[i], directory / files_[i].first, error);
     if (error) fail(directory / files_[i].first, "can't be written", error.message());
   }
   undo.keep();
+}
+
+void OutputSet::rehearse(const fs::path& wanted) const {
+  Undo undo;
+  write_temporaries(files_, wanted.empty() ? fs::path(".") : wanted.lexically_normal(), undo);
 }
 
 void write_atomically(const fs::path& path, std::string_view bytes) {

@@ -20,6 +20,10 @@ class OutputSet {
   /// files of the same names are as they were (unless the disk fails between two renames).
   void commit(const std::filesystem::path& directory) const;
 
+  /// Does what commit() does up to the renaming, and undoes it: throws where commit() would, so that a place
+  /// that can't be written to is known before the work is done.
+  void rehearse(const std::filesystem::path& directory) const;
+
  private:
   std::vector<std::pair<std::string, std::string>> files_;
 };

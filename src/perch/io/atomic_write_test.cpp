@@ -54,6 +54,25 @@ TEST(OutputSet, RemovesTheDirectoriesThatItMade) {
   EXPECT_EQ(entries(dir.path()), 0U);
 }
 
+TEST(OutputSet, RehearsalThrowsWhatWritingWouldAndLeavesNothing) {
+  const TemporaryDirectory dir;
+  dir.write("file", "x");
+  dir.write("out/one.txt", "old");
+  std::filesystem::create_directories(dir.path() / "taken/one.txt");
+  OutputSet set;
+  set.add("one.txt", "new");
+  for (const char* place : {"file", "file/below", "taken"}) {
+    const std::string expected = input_error([&] { set.commit(dir.path() / place); });
+    EXPECT_FALSE(expected.empty());
+    EXPECT_EQ(input_error([&] { set.rehearse(dir.path() / place); }), expected);
+  }
+  set.rehearse(dir.path() / "out");
+  set.rehearse(dir.path() / "a/b/c");
+  EXPECT_EQ(bytes_of(dir.path() / "out/one.txt"), "old");
+  EXPECT_EQ(entries(dir.path() / "out"), 1U);
+  EXPECT_EQ(entries(dir.path()), 3U);
+}
+
 TEST(OutputSet, TakesPlainNamesOnly) {
   OutputSet set;
   for (const char* name : {"", "a/b", "/a", "..", "."})
