@@ -1,5 +1,6 @@
 # One CMake target a layer: perch_layer(name SOURCES a.cpp b.cpp DEPENDS core ... LINK pkg::target ... [PRIVATE_LINK ...])
-# makes the library perch_<name> (alias perch::<name>), and perch_layer_test(name a_test.cpp ...) its test program.
+# makes the library perch_<name> (alias perch::<name>), and perch_layer_test(name [PLAIN] SOURCES a_test.cpp ...) its
+# test program.
 
 add_library(perch_options INTERFACE)
 target_compile_features(perch_options INTERFACE cxx_std_20)
@@ -18,20 +19,28 @@ if(PERCH_SANITIZE)
   target_link_options(perch_options INTERFACE -fsanitize=${PERCH_SANITIZE})
 endif()
 
-# The headers that take longest to read, read once for all libraries and once for all tests.
+# The headers that take longest to read, read once for each kind of source: libraries, the program, tests, and
+# tests that compute little and are not optimized at all, since most of them is json and matchers.
 function(perch_precompile target)
+  cmake_parse_arguments(P "" "" "OPTIONS;LINK;HEADERS" ${ARGN})
   file(WRITE ${PROJECT_BINARY_DIR}/precompiled/${target}.cpp "")
   add_library(${target} STATIC ${PROJECT_BINARY_DIR}/precompiled/${target}.cpp)
-  target_link_libraries(${target} PRIVATE perch_options Eigen3::Eigen fmt::fmt)
+  target_link_libraries(${target} PRIVATE perch_options Eigen3::Eigen fmt::fmt ${P_LINK})
+  target_compile_options(${target} PRIVATE ${P_OPTIONS})
+  target_precompile_headers(${target} PRIVATE ${P_HEADERS} <Eigen/Geometry> <fmt/format.h> <algorithm> <cmath>
+                            <functional> <map> <memory> <optional> <string> <vector>)
 endfunction()
+# What is tested is optimized; the tests themselves need not be, and compile faster so.
+set(PERCH_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
+set(PERCH_PLAIN_TEST_OPTIONS -O0)
+set(PERCH_PROGRAM_OPTIONS $<IF:$<CONFIG:Release>,-O1,-O0>)
 perch_precompile(perch_precompiled)
-target_precompile_headers(perch_precompiled PRIVATE
-  <Eigen/Geometry> <fmt/format.h> <algorithm> <cmath> <functional> <map> <memory> <optional> <string> <vector>)
+perch_precompile(perch_precompiled_program OPTIONS ${PERCH_PROGRAM_OPTIONS} LINK CLI11::CLI11 HEADERS <CLI/CLI.hpp>)
 if(PERCH_TESTS)
-  perch_precompile(perch_precompiled_tests)
-  target_link_libraries(perch_precompiled_tests PRIVATE GTest::gtest GTest::gmock)
-  target_precompile_headers(perch_precompiled_tests PRIVATE
-    <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h> <algorithm> <cmath> <functional> <map> <memory> <optional> <string> <vector>)
+  perch_precompile(perch_precompiled_tests OPTIONS ${PERCH_TEST_OPTIONS} LINK GTest::gtest GTest::gmock HEADERS <gtest/gtest.h>)
+  perch_precompile(perch_precompiled_plain_tests OPTIONS ${PERCH_PLAIN_TEST_OPTIONS}
+                   LINK GTest::gtest GTest::gmock nlohmann_json::nlohmann_json
+                   HEADERS <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>)
 endif()
 
 function(perch_layer name)
@@ -57,7 +66,7 @@ function(perch_layer name)
 endfunction()
 
 function(perch_test target)
-  cmake_parse_arguments(T "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(T "PLAIN" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT PERCH_TESTS)
     return()
   endif()
@@ -65,9 +74,13 @@ function(perch_test target)
     set(T_TIMEOUT 300)
   endif()
   add_executable(${target} ${T_SOURCES})
-  target_precompile_headers(${target} REUSE_FROM perch_precompiled_tests)
-  # What is tested is optimized; the tests themselves need not be, and compile faster so.
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  if(T_PLAIN)
+    target_precompile_headers(${target} REUSE_FROM perch_precompiled_plain_tests)
+    target_compile_options(${target} PRIVATE ${PERCH_PLAIN_TEST_OPTIONS})
+  else()
+    target_precompile_headers(${target} REUSE_FROM perch_precompiled_tests)
+    target_compile_options(${target} PRIVATE ${PERCH_TEST_OPTIONS})
+  endif()
   target_link_libraries(${target} PRIVATE perch_options ${T_LINK} Eigen3::Eigen fmt::fmt GTest::gtest GTest::gmock GTest::gtest_main)
   # One process a test. Suites whose names end in Heavy get the label `heavy`: too slow for sanitizers.
   gtest_discover_tests(${target} TEST_FILTER "-*Heavy.*" DISCOVERY_TIMEOUT 60
@@ -77,6 +90,9 @@ function(perch_test target)
 endfunction()
 
 function(perch_layer_test name)
-  cmake_parse_arguments(T "" "" "SOURCES;LINK" ${ARGN})
-  perch_test(perch_${name}_test SOURCES ${T_SOURCES} LINK perch::${name} ${T_LINK} LABELS ${name})
+  cmake_parse_arguments(T "PLAIN" "" "SOURCES;LINK" ${ARGN})
+  if(T_PLAIN)
+    set(plain PLAIN)
+  endif()
+  perch_test(perch_${name}_test ${plain} SOURCES ${T_SOURCES} LINK perch::${name} ${T_LINK} LABELS ${name})
 endfunction()

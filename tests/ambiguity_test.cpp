@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "cancelling_executor.hpp"
 #include "finish_test_support.hpp"
 #include "perch/localize/polish.hpp"
 

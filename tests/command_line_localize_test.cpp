@@ -40,7 +40,8 @@ void check_keys(const Json& result) {
               UnorderedElementsAre("rendered", "generated", "expanded", "threads", "ranks", "seconds"));
   for (const char* key : {"rendered", "generated", "expanded", "threads", "ranks"})
     EXPECT_TRUE(stats.at(key).is_number_integer()) << key;
-  EXPECT_THAT(keys(stats.at("seconds")), UnorderedElementsAre("total", "render", "refine", "cost", "search"));
+  EXPECT_THAT(keys(stats.at("seconds")),
+              UnorderedElementsAre("total", "render", "refine", "cost", "candidates", "search", "polish"));
   for (const Json& seconds : stats.at("seconds")) EXPECT_TRUE(seconds.is_number());
 }
 

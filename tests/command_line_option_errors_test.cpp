@@ -47,6 +47,13 @@ TEST_F(OptionRefusals, WhatNeedsFixedCandidatesIsRefusedInContext) {
   refused({"--settings", "context.yaml"}, {"search.method is branch-and-bound", "--candidates fixed"});
 }
 
+TEST_F(OptionRefusals, BranchAndBoundNeedsTheLagrangianBound) {
+  for (const std::string bound : {"none", "cover"})
+    refused({"--set", "search.bound=" + bound, "--search", "branch-and-bound"},
+            {"search.bound is " + bound, "--search focal-mha"});
+  refused({"--set", "search.bound=all"}, {"search.bound", "none, cover, lagrangian"});
+}
+
 TEST_F(OptionRefusals, AGridTooFineSaysHowManyPoses) {
   // 44,001 x 32,001 places with one yaw for the can and 16 for the mug.
   refused({"--resolution", "0.00001"}, {"scene.yaml", "23937292017 poses", "--resolution", "grid.max_poses"});

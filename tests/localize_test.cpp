@@ -7,6 +7,7 @@
 #include <atomic>
 #include <nlohmann/json.hpp>
 
+#include "cancelling_executor.hpp"
 #include "perch/io/result_json.hpp"
 #include "perch/sim/parametric_models.hpp"
 #include "perch/sim/scene_generator.hpp"
@@ -169,28 +170,6 @@ TEST(Faults, ZeroCostEdgesAreKept) {
   EXPECT_EQ(result.suboptimality_bound(), 1.0);
 }
 
-/// Cancels after a number of bodies have run: the clock without the clock.
-class CountingExecutor final : public Executor {
- public:
-  CountingExecutor(StopCondition& stop, std::int64_t bodies) : stop_(stop), left_(bodies) {}
-  std::size_t workers() const override { return 1; }
-  bool for_each(std::size_t n, const Body& body, const StopCondition& stop) const override {
-    for (std::size_t i = 0; i < n; ++i) {
-      if (stop()) return false;
-      if (--left_ < 0) stop_.cancel();
-      if (stop_()) ++after_;
-      body(i, 0);
-    }
-    return true;
-  }
-  std::int64_t after() const { return after_; }
-
- private:
-  StopCondition& stop_;
-  mutable std::int64_t left_;
-  mutable std::int64_t after_ = 0;
-};
-
 // Faults: the limit is looked at only between expansions; a time-out gives an answer without a bound.
 TEST(FaultsHeavy, ALimitIsKeptInsideABatchAndTheBoundIsReported) {
   TabletopOptions options = clean(3, 160, 120);
@@ -201,7 +180,7 @@ TEST(FaultsHeavy, ALimitIsKeptInsideABatchAndTheBoundIsReported) {
   int with_scene = 0, without = 0;
   for (const std::int64_t bodies : {5, 600, 2000, 3500, 5000, 8000}) {
     StopCondition stop;
-    const CountingExecutor executor(stop, bodies);
+    const CancellingExecutor executor(stop, bodies);
     const Result result = localize(simulated.scene, settings, executor, stop);
     // Building the look-up structures doesn't ask; everything after does, before each body.
     if (bodies > 1500) {

@@ -20,8 +20,6 @@
 namespace perch {
 namespace {
 
-constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
-
 Mesh box_at(const Eigen::Vector3d& size, const Eigen::Vector3d& at) {
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
   transform.translation() = at;
@@ -126,14 +124,15 @@ bool has_monotone_order(const std::vector<DepthPatch>& patches) {
   return false;
 }
 
-struct Enumerated {
+/// Like Enumerated, but its monotone orders are found here, from the renderings alone.
+struct EnumeratedOrders {
   std::int64_t best = none;           ///< of all scenes free of collisions
   std::int64_t best_monotone = none;  ///< of those with a monotone order
   int scenes = 0, monotone = 0;
 };
 
-Enumerated enumerate(SmallProblem& small) {
-  Enumerated result;
+EnumeratedOrders enumerate_orders(SmallProblem& small) {
+  EnumeratedOrders result;
   small.for_each_scene([&](const std::vector<CandidateId>& placed) {
     if (!small.collision_free(placed)) return;
     ++result.scenes;
@@ -181,7 +180,7 @@ TEST(MutualOcclusion, TheTruthHasNoMonotoneOrder) {
 }
 
 /// By localize, with all that it does before the search.
-void check_localize(const Case& c, const Enumerated& expected) {
+void check_localize(const Case& c, const EnumeratedOrders& expected) {
   Settings settings = strict(c.refine);
   const SerialExecutor executor;
   for (const double w : {1.0, 1.5}) {
@@ -211,7 +210,7 @@ void check_localize(const Case& c, const Enumerated& expected) {
 }
 
 /// The searches alone: no first scene, no candidate dropped beforehand.
-void check_from_nothing(SmallProblem& small, const Enumerated& expected) {
+void check_from_nothing(SmallProblem& small, const EnumeratedOrders& expected) {
   const LagrangianBound bound(*small.problem, small.set);
   SceneBranching branching(*small.problem, small.set, small.makers, small.executor, bound, StopCondition());
   const auto all = branch_and_bound(branching, {}, StopCondition());
@@ -241,7 +240,7 @@ TEST(MutualOcclusionHeavy, EachSearchFindsTheOptimumOfItsSet) {
   for (const Case& c : cases()) {
     SCOPED_TRACE(c.name);
     SmallProblem small(c.scene, strict(c.refine));
-    const Enumerated expected = enumerate(small);
+    const EnumeratedOrders expected = enumerate_orders(small);
     ASSERT_LT(expected.best, expected.best_monotone) << "the monotone order is dearer here";
     EXPECT_LT(expected.monotone, expected.scenes);
     if (c.on_grid) {

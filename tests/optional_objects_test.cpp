@@ -17,8 +17,6 @@
 namespace perch {
 namespace {
 
-constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
-
 /// The number of a model that is in no image yet.
 std::size_t add_model(Scene& scene, const std::string& name) {
   for (std::size_t m = 0; m < scene.models.size(); ++m)
@@ -42,24 +40,6 @@ SimulatedScene tampered(std::uint64_t seed) {
     scene.objects.push_back({extra, random.uniform() < 0.5});
   std::swap(scene.objects.front(), scene.objects[random.below(scene.objects.size())]);
   return simulated;
-}
-
-struct Enumerated {
-  std::int64_t best = none;          ///< of all scenes free of collisions
-  std::int64_t best_in_tree = none;  ///< of those with a monotone order
-};
-
-Enumerated enumerate(SmallProblem& small) {
-  const SceneTree tree =
-      SceneTree::fixed(*small.problem, small.set, small.makers, small.executor, small.settings.tree);
-  Enumerated result;
-  small.for_each_scene([&](const std::vector<CandidateId>& placed) {
-    if (!small.collision_free(placed)) return;
-    const std::int64_t cost = small.flat_cost(placed);
-    result.best = std::min(result.best, cost);
-    if (cost < result.best_in_tree && tree.contains(placed)) result.best_in_tree = cost;
-  });
-  return result;
 }
 
 std::size_t placed_count(const Result& result) {

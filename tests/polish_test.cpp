@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "cancelling_executor.hpp"
 #include "finish_test_support.hpp"
 #include "perch/core/random.hpp"
 #include "perch/localize/candidate_floor.hpp"

@@ -16,26 +16,6 @@
 namespace perch {
 namespace {
 
-constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
-
-struct Enumerated {
-  std::int64_t best = none;          ///< of all scenes free of collisions
-  std::int64_t best_in_tree = none;  ///< of those with a monotone order
-};
-
-Enumerated enumerate(SmallProblem& small) {
-  const SceneTree tree =
-      SceneTree::fixed(*small.problem, small.set, small.makers, small.executor, small.settings.tree);
-  Enumerated result;
-  small.for_each_scene([&](const std::vector<CandidateId>& placed) {
-    if (!small.collision_free(placed)) return;
-    const std::int64_t cost = small.flat_cost(placed);
-    result.best = std::min(result.best, cost);
-    if (cost < result.best_in_tree && tree.contains(placed)) result.best_in_tree = cost;
-  });
-  return result;
-}
-
 std::vector<PriorPose> true_priors(const SmallProblem& small) {
   Scene scene = small.simulated.scene;
   scene.priors.clear();

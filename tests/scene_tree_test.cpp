@@ -16,30 +16,6 @@
 namespace perch {
 namespace {
 
-constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
-
-struct Enumerated {
-  std::vector<CandidateScene> collision_free;
-  std::int64_t best_collision_free = none;
-  std::int64_t best_in_tree = none;  // over scenes with a monotone order
-};
-
-Enumerated enumerate(SmallProblem& small, const SceneTree& tree) {
-  Enumerated result;
-  small.for_each_scene([&](const std::vector<CandidateId>& placed) {
-    if (!small.collision_free(placed)) return;
-    const std::int64_t cost = small.flat_cost(placed);
-    result.collision_free.push_back({placed, cost});
-    result.best_collision_free = std::min(result.best_collision_free, cost);
-    if (cost < result.best_in_tree && tree.contains(placed)) result.best_in_tree = cost;
-  });
-  return result;
-}
-
-SceneTree tree_of(SmallProblem& small) {
-  return SceneTree::fixed(*small.problem, small.set, small.makers, small.executor, small.settings.tree);
-}
-
 struct Case {
   std::uint64_t seed;
   bool noise;
@@ -153,19 +129,24 @@ TEST(SceneTreeHeavy, LazyEdgesAreTheEagerOnes) {
 }
 
 TEST(SceneTreeHeavy, FocalMhaFindsTheEnumeratedOptimum) {
+  std::uint64_t expanded = 0, expanded_without = 0;
   for (const Case& c : cases()) {
     PERCH_TRACE(c);
     SmallProblem small(c.seed, c.noise, c.refine, c.objects, c.repeats);
-    SceneTree tree = tree_of(small);
-    const Enumerated expected = enumerate(small, tree);
+    SceneTree with_bound = tree_of(small);
+    const Enumerated expected = enumerate(small);
     Heuristics<SceneState> heuristics;
     heuristics.admissible = bound_heuristic;
     heuristics.inadmissible = {DepthHeuristic(small.problem->object_count()),
                                OverlapHeuristic(*small.problem, small.set)};
-    for (const double w : {1.0, 1.2, 3.0}) {
+    SceneTree without_bound = tree_of(small);
+    without_bound.forget_cover_bound();
+    for (const auto& [tree, w] : {std::pair(&with_bound, 1.0), std::pair(&with_bound, 1.2),
+                                  std::pair(&with_bound, 3.0), std::pair(&without_bound, 1.0)}) {
       FocalMhaOptions options;
       options.w = w;
-      const auto found = focal_mha(tree, heuristics, options, StopCondition());
+      const auto found = focal_mha(*tree, heuristics, options, StopCondition());
+      if (w == 1.0) (tree == &with_bound ? expanded : expanded_without) += found.counters.expanded;
       if (expected.best_in_tree == none) {
         EXPECT_EQ(found.reason, StopReason::infeasible);
         continue;
@@ -173,12 +154,13 @@ TEST(SceneTreeHeavy, FocalMhaFindsTheEnumeratedOptimum) {
       ASSERT_TRUE(found.incumbent);
       const auto best = static_cast<double>(expected.best_in_tree);
       EXPECT_EQ(found.incumbent->cost, static_cast<double>(small.flat_cost(found.incumbent->state.placed)));
-      EXPECT_TRUE(tree.contains(found.incumbent->state.placed));
+      EXPECT_TRUE(tree->contains(found.incumbent->state.placed));
       EXPECT_LE(found.lower_bound, best);
       EXPECT_GE(found.incumbent->cost, best);
       EXPECT_LE(found.incumbent->cost, w * best);
     }
   }
+  EXPECT_LT(2 * expanded, expanded_without);
 }
 
 TEST(LagrangianBoundHeavy, HoldsForEveryCollisionFreeScene) {
@@ -188,15 +170,15 @@ TEST(LagrangianBoundHeavy, HoldsForEveryCollisionFreeScene) {
     const auto scenes =
         first_scenes(*small.problem, small.set, small.makers, small.executor, StopCondition());
     if (scenes.empty()) continue;
-    const Enumerated expected = enumerate(small, tree_of(small));
+    const Enumerated expected = enumerate(small);
     const std::int64_t upper = scenes.front().cost;
     LagrangianBound bound(*small.problem, small.set);
     for (int round = 0; round < 4; ++round) {
       bound.improve(40, upper, 1e18, small.executor, StopCondition());
-      EXPECT_LE(std::min(upper, bound.lower_bound()), expected.best_collision_free);
+      EXPECT_LE(std::min(upper, bound.lower_bound()), expected.best);
       // A dropped candidate is part of no scene that is cheaper than the known one; what is kept is bounded
       // by its reduced costs.
-      for (const CandidateScene& scene : expected.collision_free) {
+      for (const CandidateScene& scene : expected.scenes) {
         ReducedCosts::Weight sum = bound.reduced_costs().base();
         bool kept = true;
         for (const CandidateId id : scene.candidates) {
@@ -204,7 +186,7 @@ TEST(LagrangianBoundHeavy, HoldsForEveryCollisionFreeScene) {
           sum += bound.reduced_costs().reduced_cost(id);
         }
         if (kept) {
-          ASSERT_LE(std::min(upper, ReducedCosts::count(sum)), scene.cost);
+          ASSERT_LE(std::min(upper, Lagrangian::count(sum)), scene.cost);
         } else {
           ASSERT_GE(scene.cost, upper);
         }

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
 #include "perch/candidates/candidate_set.hpp"
+#include "perch/candidates/first_scenes.hpp"
 #include "perch/localize/setup.hpp"
 #include "perch/sim/scene_generator.hpp"
 #include "perch/tree/scene_tree.hpp"
@@ -108,5 +112,31 @@ struct SmallProblem {
     }
   }
 };
+
+constexpr std::int64_t none = std::numeric_limits<std::int64_t>::max();
+
+/// What enumeration finds, each cost counted anew.
+struct Enumerated {
+  std::vector<CandidateScene> scenes;  ///< free of collisions
+  std::int64_t best = none;
+  std::int64_t best_in_tree = none;  ///< of those with a monotone order
+};
+
+inline SceneTree tree_of(SmallProblem& small) {
+  return SceneTree::fixed(*small.problem, small.set, small.makers, small.executor, small.settings.tree);
+}
+
+inline Enumerated enumerate(SmallProblem& small) {
+  const SceneTree tree = tree_of(small);
+  Enumerated result;
+  small.for_each_scene([&](const std::vector<CandidateId>& placed) {
+    if (!small.collision_free(placed)) return;
+    const std::int64_t cost = small.flat_cost(placed);
+    result.scenes.push_back({placed, cost});
+    result.best = std::min(result.best, cost);
+    if (cost < result.best_in_tree && tree.contains(placed)) result.best_in_tree = cost;
+  });
+  return result;
+}
 
 }  // namespace perch

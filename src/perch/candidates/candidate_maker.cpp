@@ -72,7 +72,7 @@ Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const Dept
   Pose pose = grid_pose;
   for (int round = 0; round < settings.refine.rounds; ++round) {
     const ThreadStopwatch watch;
-    note_seen();
+    if (in_front != nullptr) note_seen();
     if (sparse_)
       sample_crosses(crosses_, in_front, problem_.observation(), settings.refine, samples_);
     else

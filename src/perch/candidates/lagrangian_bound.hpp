@@ -22,8 +22,6 @@ class ReducedCosts {
   Weight reduced_cost(CandidateId id) const { return reduced_[id]; }
   /// Of a scene that holds nothing yet.
   Weight base() const { return base_; }
-  /// A sum of these as a count.
-  static std::int64_t count(Weight sum) { return Lagrangian::count(sum); }
 
  private:
   Weight base_ = 0;

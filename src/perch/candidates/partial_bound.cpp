@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace perch {
 namespace {
@@ -56,28 +57,16 @@ class PartialScene {
     return true;
   }
 
-  /// B and U of an option, given which options are left.
-  template <typename Kept>
-  void find_nearest(Kept kept) {
-    nearest_.assign(covering_.pixels, Nearest());
-    for (std::size_t i = 0; i < visible_.size(); ++i) {
-      if (!kept(i)) continue;
-      const std::uint32_t slot = covering_.options[i].slot;
-      const bool alone = covering_.copies[slot] == 1;
-      for (const VisiblePoint& point : visible_[i])
-        if (point.explained) nearest_[point.pixel].add(point.z, slot, alone);
-    }
-  }
-  void split(std::size_t option, std::vector<Run>& certain, std::vector<Run>& uncertain) const {
-    certain.clear();
-    uncertain.clear();
-    for (const VisiblePoint& point : visible_[option])
-      if (!point.explained)
-        append(nearest_[point.pixel].may_hide(point.z, covering_.options[option].slot) ? uncertain : certain,
-               point.pixel);
+  /// Hands over what see() made.
+  Covering take_covering() { return std::move(covering_); }
+
+  /// Splits what each option that is left leaves unexplained into B and U.
+  void split_unexplained(Lagrangian& lagrangian) {
+    find_nearest(lagrangian);
+    for (std::size_t i = 0; i < visible_.size(); ++i)
+      if (lagrangian.kept(i)) split(i, lagrangian);
   }
 
-  const Covering& covering() const { return covering_; }
   /// Of all options but the last.
   CandidateId id(std::size_t option) const { return ids_[option]; }
   /// The points of I that some option explains.
@@ -105,6 +94,27 @@ class PartialScene {
     }
     bool may_hide(float z, std::uint32_t own_slot) const { return (slot == own_slot ? second : first) < z; }
   };
+
+  void find_nearest(const Lagrangian& lagrangian) {
+    const Covering& covering = lagrangian.covering();
+    nearest_.assign(covering.pixels, Nearest());
+    for (std::size_t i = 0; i < visible_.size(); ++i) {
+      if (!lagrangian.kept(i)) continue;
+      const std::uint32_t slot = covering.options[i].slot;
+      const bool alone = covering.copies[slot] == 1;
+      for (const VisiblePoint& point : visible_[i])
+        if (point.explained) nearest_[point.pixel].add(point.z, slot, alone);
+    }
+  }
+
+  void split(std::size_t option, Lagrangian& lagrangian) const {
+    const std::uint32_t slot = lagrangian.covering().options[option].slot;
+    std::vector<Run> certain, uncertain;
+    for (const VisiblePoint& point : visible_[option])
+      if (!point.explained)
+        append(nearest_[point.pixel].may_hide(point.z, slot) ? uncertain : certain, point.pixel);
+    lagrangian.set_unexplained(option, std::move(certain), std::move(uncertain));
+  }
 
   void add_option(std::uint32_t slot, std::vector<Run> explained) {
     Covering::Option option;
@@ -193,18 +203,12 @@ PartialBound bound_partial_scene(const LocalizationProblem& problem, const Candi
   interrupted.complete = false;
   PartialScene scene(problem, set, placed, slots, maker);
   if (!scene.see(stop)) return interrupted;
-  Lagrangian lagrangian(scene.covering());
+  Lagrangian lagrangian(scene.take_covering());
   for (std::size_t i = 0; i < scene.points().size(); ++i)
     lagrangian.set_point_weight(i, point_weights[scene.points()[i]]);
-  const std::size_t options = scene.covering().options.size();
+  const std::size_t options = lagrangian.covering().options.size();
   for (int round = 0; round < rounds; ++round) {
-    scene.find_nearest([&](std::size_t i) { return lagrangian.kept(i); });
-    for (std::size_t i = 0; i < options; ++i) {
-      if (!lagrangian.kept(i)) continue;
-      std::vector<Run> certain, uncertain;
-      scene.split(i, certain, uncertain);
-      lagrangian.set_unexplained(i, std::move(certain), std::move(uncertain));
-    }
+    scene.split_unexplained(lagrangian);
     lagrangian.share_pixels();
     const std::size_t before = lagrangian.kept_count();
     lagrangian.improve(iterations, upper_bound, static_cast<double>(upper_bound), serial, stop);

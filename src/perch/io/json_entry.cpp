@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "perch/core/error.hpp"
@@ -63,6 +64,10 @@ std::string JsonEntry::value() const {
   return one_line(json_->dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
+bool JsonEntry::is_null() const {
+  return json_->is_null();
+}
+
 bool JsonEntry::contains(std::string_view key) const {
   return json_->is_object() && json_->contains(std::string(key));
 }
@@ -108,6 +113,10 @@ std::vector<JsonEntry> JsonEntry::items() const {
   for (std::size_t i = 0; i < json_->size(); ++i)
     out.push_back(JsonEntry(root_, &(*json_)[i], file_, fmt::format("{}[{}]", key_, i)));
   return out;
+}
+
+std::string as_json_holds(const std::string& text) {
+  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
 
 }  // namespace perch

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,7 +27,7 @@ class JsonEntry {
   JsonEntry operator[](std::string_view key) const;
   /// True where this is a map that has the key.
   bool contains(std::string_view key) const;
-  bool is_null() const { return json_->is_null(); }
+  bool is_null() const;
 
   double number() const;         ///< finite
   std::int64_t integer() const;  ///< whole, of either sign; 812.0 is
@@ -45,5 +45,8 @@ class JsonEntry {
   std::shared_ptr<const std::string> file_;  ///< as messages show it
   std::string key_;
 };
+
+/// A text as a JSON file of ours can hold it: bytes that are not UTF-8 are written as U+FFFD.
+std::string as_json_holds(const std::string& text);
 
 }  // namespace perch

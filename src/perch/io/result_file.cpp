@@ -12,18 +12,11 @@
 namespace perch {
 namespace {
 
-/// A name as result.json can hold it: bytes that are not UTF-8 are written as U+FFFD.
-std::string as_written(const std::string& name) {
-  const nlohmann::json json = name;
-  return nlohmann::json::parse(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))
-      .get<std::string>();
-}
-
 /// The file's entries as values; holds what they are checked against.
 class ResultReader {
  public:
   explicit ResultReader(const Scene& scene) {
-    for (const SceneModel& model : scene.models) names_.push_back(as_written(model.name));
+    for (const SceneModel& model : scene.models) names_.push_back(as_json_holds(model.name));
   }
 
   ReportedResult read(const JsonEntry& root) const {
@@ -154,8 +147,14 @@ class ResultReader {
     s.threads = workers("threads");
     s.ranks = workers("ranks");
     const JsonEntry seconds = entry["seconds"];
-    s.seconds = {seconds["total"].number(), seconds["render"].number(), seconds["refine"].number(),
-                 seconds["cost"].number(), seconds["search"].number()};
+    const auto stage = [&](const char* key) { return seconds.contains(key) ? seconds[key].number() : 0.0; };
+    s.seconds = {seconds["total"].number(),
+                 seconds["render"].number(),
+                 seconds["refine"].number(),
+                 seconds["cost"].number(),
+                 stage("candidates"),
+                 seconds["search"].number(),
+                 stage("polish")};
     return s;
   }
 

@@ -7,18 +7,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* name(Status status) {
-  switch (status) {
-    case Status::solved:
-      return "solved";
-    case Status::time_limit:
-      return "time_limit";
-    case Status::infeasible:
-      break;
-  }
-  return "infeasible";
-}
-
 template <typename T>
 Json or_null(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
@@ -81,7 +69,9 @@ Json to_value(const Stats& s) {
             {"render", s.seconds.render},
             {"refine", s.seconds.refine},
             {"cost", s.seconds.cost},
-            {"search", s.seconds.search}}}};
+            {"candidates", s.seconds.candidates},
+            {"search", s.seconds.search},
+            {"polish", s.seconds.polish}}}};
 }
 
 Json to_value(const ScoreRecord& r) {

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "perch/io/test_result.hpp"
+
 namespace perch {
 namespace {
 
@@ -16,43 +18,8 @@ std::vector<std::string> keys(const Json& json) {
 }
 using Keys = std::vector<std::string>;
 
-Result solved() {
-  Result r;
-  r.status = Status::solved;
-  r.reason = "proven";
-  r.cost = CostRecord{812, 400, 412};
-  r.observed_points = 30125;
-  r.search_cost = 830;
-  r.lower_bound = 640;
-  r.guarantee = {.w = 3.0,
-                 .over = "fixed candidates: grid poses after ICP alone",
-                 .delta = 0.005,
-                 .missing_depth = "unexplained",
-                 .collision_penetration = 0.01,
-                 .collision_overlap = 0.35,
-                 .resolution_m = 0.04,
-                 .yaw_resolution_rad = 0.3927,
-                 .candidates = 3120,
-                 .refine = "icp",
-                 .search = "branch-and-bound"};
-  r.search_objects = {{"mug", {0.1, 1.0 / 3.0, -0.7}}};
-  ObjectResult o;
-  o.model = "mug \"quoted\" \xc3\xa9";
-  o.pose = {0.1 + 0.2, -1e-17, 3.141592653589793};
-  o.world_from_model = world_from_model(o.pose, 0.25);
-  o.camera_from_model = o.world_from_model.inverse();
-  o.visible_pixels = 2210;
-  o.visible_fraction = 0.61;
-  o.explained_fraction = 0.97;
-  o.confidence = 1.0 / 3.0;
-  o.runner_up = RunnerUp{{0.1, -0.2, 0.7}, 57};
-  r.objects = {o};
-  r.stats = {15564, 100, 7, 4, 1, {1.5, 0.25, 0.5, 0.125, 0.1}};
-  return r;
-}
-
 TEST(ResultJson, ReadsBackToTheBit) {
-  const Result r = solved();
+  const Result r = a_result();
   const std::string text = to_json(r);
   EXPECT_TRUE(text.ends_with("}\n"));
   const Json j = Json::parse(text);
@@ -60,20 +27,20 @@ TEST(ResultJson, ReadsBackToTheBit) {
                            "observed_points", "search_cost", "lower_bound", "suboptimality_bound",
                            "guarantee", "search_objects", "objects", "stats"}));
   EXPECT_EQ(j["version"], 1);
-  EXPECT_EQ(j["status"], "solved");
-  EXPECT_EQ(j["reason"], "proven");
+  EXPECT_EQ(j["status"], "time_limit");
+  EXPECT_EQ(j["reason"], "why it ended");
   EXPECT_EQ(j["cost"], 812);
   EXPECT_EQ(j["cost_observed"], 400);
   EXPECT_EQ(j["cost_rendered"], 412);
   EXPECT_EQ(j["observed_points"], 30125);
   EXPECT_EQ(j["search_cost"], 830);
-  EXPECT_EQ(j["lower_bound"], 640);
-  EXPECT_EQ(j["suboptimality_bound"].get<double>(), 830.0 / 640.0);
+  EXPECT_EQ(j["lower_bound"], 64);
+  EXPECT_EQ(j["suboptimality_bound"].get<double>(), 830.0 / 64.0);
   EXPECT_EQ(keys(j["guarantee"]), (Keys{"w", "over", "delta", "missing_depth", "collision", "resolution_m",
                                         "yaw_resolution_rad", "candidates", "refine", "search"}));
-  EXPECT_EQ(j["guarantee"]["delta"], 0.005);
-  EXPECT_EQ(j["guarantee"]["missing_depth"], "unexplained");
-  EXPECT_EQ(j["guarantee"]["collision"], (Json{{"penetration", 0.01}, {"overlap", 0.35}}));
+  EXPECT_EQ(j["guarantee"]["delta"], 0.004);
+  EXPECT_EQ(j["guarantee"]["missing_depth"], "ignore");
+  EXPECT_EQ(j["guarantee"]["collision"], (Json{{"penetration", 0.02}, {"overlap", 0.3}}));
   EXPECT_EQ(j["guarantee"]["over"], r.guarantee.over);
   EXPECT_EQ(j["guarantee"]["candidates"], 3120);
   EXPECT_EQ(keys(j["search_objects"][0]), (Keys{"model", "x", "y", "yaw"}));
@@ -83,10 +50,10 @@ TEST(ResultJson, ReadsBackToTheBit) {
   EXPECT_EQ(keys(o),
             (Keys{"model", "x", "y", "yaw", "world_from_model", "camera_from_model", "visible_pixels",
                   "visible_fraction", "explained_fraction", "confidence", "runner_up"}));
-  EXPECT_EQ(o["confidence"].get<double>(), 1.0 / 3.0);
+  EXPECT_EQ(o["confidence"].get<double>(), 0.75);
   EXPECT_EQ(keys(o["runner_up"]), (Keys{"x", "y", "yaw", "cost_increase"}));
-  EXPECT_EQ(o["runner_up"]["yaw"].get<double>(), 0.7);
-  EXPECT_EQ(o["runner_up"]["cost_increase"], 57);
+  EXPECT_EQ(o["runner_up"]["yaw"].get<double>(), -0.125);
+  EXPECT_EQ(o["runner_up"]["cost_increase"], -3);
   EXPECT_EQ(o["model"], r.objects[0].model);
   EXPECT_EQ(o["x"].get<double>(), 0.1 + 0.2);
   EXPECT_EQ(o["y"].get<double>(), -1e-17);
@@ -98,7 +65,8 @@ TEST(ResultJson, ReadsBackToTheBit) {
     }
   EXPECT_EQ(o["visible_pixels"], 2210);
   EXPECT_EQ(keys(j["stats"]), (Keys{"rendered", "generated", "expanded", "threads", "ranks", "seconds"}));
-  EXPECT_EQ(keys(j["stats"]["seconds"]), (Keys{"total", "render", "refine", "cost", "search"}));
+  EXPECT_EQ(keys(j["stats"]["seconds"]),
+            (Keys{"total", "render", "refine", "cost", "candidates", "search", "polish"}));
   EXPECT_EQ(j["stats"]["seconds"]["search"].get<double>(), 0.1);
 }
 
@@ -116,7 +84,7 @@ TEST(ResultJson, WithoutASceneCostsAreNull) {
 }
 
 TEST(ResultJson, WhatWasNotJudgedIsNull) {
-  Result r = solved();
+  Result r = a_result();
   r.objects[0].confidence.reset();
   r.objects[0].runner_up.reset();
   const Json o = Json::parse(to_json(r))["objects"][0];
@@ -125,7 +93,7 @@ TEST(ResultJson, WhatWasNotJudgedIsNull) {
 }
 
 TEST(ResultJson, NamesThatAreNotUtf8StillWrite) {
-  Result r = solved();
+  Result r = a_result();
   r.objects[0].model = std::string(1, '\xff');
   EXPECT_NO_THROW(Json::parse(to_json(r)));
 }

@@ -99,7 +99,7 @@ class Judge {
     const CandidateFloor floor_of(problem_.cost(), trials_.others());
     std::vector<std::pair<std::int64_t, CandidateId>> order;
     for (CandidateId id = 0; id < set_.size(); ++id)
-      if (set_[id].model == trials_.model_number() && !own.contains(set_[id].pose))
+      if (set_[id].model == trials_.model_number() && !set_[id].absent && !own.contains(set_[id].pose))
         order.emplace_back(floor_of(set_[id]), id);
     std::sort(order.begin(), order.end());
     for (std::size_t i = 0; i < order.size() && left_ > 0;) {

@@ -79,7 +79,9 @@ class Localization {
   /// False where there is nothing to search.
   bool make_candidates() {
     log_.stage("candidates");
+    const Stopwatch watch;
     candidates_ = make_fixed_candidates(*problem_, makers_, executor_, search_stop_);
+    result_.stats.seconds.candidates = watch.seconds();
     result_.stats.rendered = candidates_.hypotheses;
     result_.guarantee.candidates = static_cast<std::int64_t>(candidates_.set.size());
     if (!candidates_.complete) {
@@ -142,8 +144,7 @@ class Localization {
       result_.reason = object_without_pose().value_or(
           settings_.search_method() == SearchMethod::branch_and_bound
               ? "no arrangement of all objects on this grid is free of collisions"
-              : "no arrangement of all objects on this grid is free of "
-                "collisions and monotone");
+              : "no arrangement of all objects on this grid is free of collisions and monotone");
     } else {
       result_.status = Status::time_limit;
       result_.reason =
@@ -162,6 +163,7 @@ class Localization {
   /// The scene reported: the one found and other good ones refined off the grid, and how sure each pose is.
   void polish_and_judge() {
     log_.stage("polish");
+    const Stopwatch watch;
     std::vector<ArrangedScene> starts;
     for (const CandidateScene& scene : scenes_) starts.push_back({placed(scene.candidates), scene.cost});
     ArrangedScene best = polish_best(*problem_, makers_, executor_, starts, settings_.polish, stop_);
@@ -169,6 +171,7 @@ class Localization {
                                      settings_.ambiguity, settings_.polish, stop_);
     report_search(*problem_, starts.front().placed, result_);
     report_judged(*problem_, judged, result_);
+    result_.stats.seconds.polish = watch.seconds();
     log_.polished(result_.cost->cost, *result_.search_cost, result_.lower_bound);
   }
 

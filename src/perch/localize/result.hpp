@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "perch/core/pose.hpp"
@@ -11,6 +12,19 @@
 namespace perch {
 
 enum class Status { solved, time_limit, infeasible };
+
+/// As result.json writes it.
+constexpr std::string_view name(Status status) {
+  switch (status) {
+    case Status::solved:
+      return "solved";
+    case Status::time_limit:
+      return "time_limit";
+    case Status::infeasible:
+      break;
+  }
+  return "infeasible";
+}
 
 /// The flat explanation cost of a scene and its parts, counts of points.
 struct CostRecord {
@@ -60,8 +74,10 @@ struct Guarantee {
   std::string search;
 };
 
+/// Of wall clock for the whole and its parts one after the other, `candidates`, `search` and `polish`; summed
+/// over threads for `render`, `refine` and `cost`, which are within these.
 struct Seconds {
-  double total = 0.0, render = 0.0, refine = 0.0, cost = 0.0, search = 0.0;
+  double total = 0.0, render = 0.0, refine = 0.0, cost = 0.0, candidates = 0.0, search = 0.0, polish = 0.0;
 };
 
 struct Stats {

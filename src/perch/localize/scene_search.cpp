@@ -75,13 +75,14 @@ class SceneSearch {
     }
     std::optional<ReducedCosts> reduced_costs;
     std::int64_t lower_bound = 0;
-    if (first) {
+    if (first && settings_.bound == StateBound::lagrangian) {
       const LagrangianBound bound = bound_whole_set();
       set_.restrict_to(bound.kept());
       reduced_costs = bound.reduced_costs();
       lower_bound = bound.lower_bound();
     }
     SceneTree tree = SceneTree::fixed(problem_, set_, makers_, executor_, settings_.tree);
+    if (settings_.bound == StateBound::none) tree.forget_cover_bound();
     if (reduced_costs) tree.use(*reduced_costs, lower_bound, static_cast<std::int64_t>(first->cost));
     focal_mha_over(tree, std::move(first));
     return std::move(outcome_);

@@ -23,6 +23,10 @@ struct Names<SearchMethod> {
   static inline const std::vector<std::string> all{"branch-and-bound", "focal-mha"};
 };
 template <>
+struct Names<StateBound> {
+  static inline const std::vector<std::string> all{"none", "cover", "lagrangian"};
+};
+template <>
 struct Names<RefineMethod> {
   static inline const std::vector<std::string> all{"none", "icp"};
 };
@@ -65,44 +69,56 @@ std::string print(const T& value) {
     return fmt::format("{}", value);
 }
 
-/// A field held as it is written.
-template <typename Access>
-SettingsField field(std::string key, std::string help, Access access) {
-  using T = std::remove_cvref_t<decltype(access(std::declval<Settings&>()))>;
+template <typename T>
+using Member = T& (*)(Settings&);
+
+/// Written as it is held.
+template <typename T>
+struct Plain {
+  static T parse(const std::string& key, const std::string& text) { return perch::parse<T>(key, text); }
+  static std::string print(const T& value) { return perch::print(value); }
+};
+
+/// May be left unset; "auto" unsets it.
+template <typename T>
+struct OrAuto {
+  static std::optional<T> parse(const std::string& key, const std::string& text) {
+    return text == "auto" ? std::nullopt : std::optional(perch::parse<T>(key, text));
+  }
+  static std::string print(const std::optional<T>& value) { return value ? perch::print(*value) : "auto"; }
+};
+
+/// Written in degrees and held in radians.
+struct Degrees {
+  static constexpr double degree = std::numbers::pi / 180.0;
+  static double parse(const std::string& key, const std::string& text) {
+    return perch::parse<double>(key, text) * degree;
+  }
+  static std::string print(double value) { return perch::print(value / degree); }
+};
+
+template <typename Format, typename T>
+SettingsField field_as(std::string key, std::string help, Member<T> member) {
   return {key, std::move(help),
-          [=](Settings& s, const std::string& text) { access(s) = parse<T>(key, text); },
-          [=](const Settings& s) { return print(access(const_cast<Settings&>(s))); }};
+          [=](Settings& s, const std::string& text) { member(s) = Format::parse(key, text); },
+          [=](const Settings& s) { return Format::print(member(const_cast<Settings&>(s))); }};
 }
 
-/// A field that may be left unset; "auto" unsets it.
-template <typename Access>
-SettingsField optional_field(std::string key, std::string help, Access access) {
-  using T = typename std::remove_cvref_t<decltype(access(std::declval<Settings&>()))>::value_type;
-  return {key, std::move(help),
-          [=](Settings& s, const std::string& text) {
-            if (text == "auto")
-              access(s).reset();
-            else
-              access(s) = parse<T>(key, text);
-          },
-          [=](const Settings& s) {
-            const auto& value = access(const_cast<Settings&>(s));
-            return value ? print(*value) : std::string("auto");
-          }};
+template <typename T>
+SettingsField field(std::string key, std::string help, Member<T> member) {
+  return field_as<Plain<T>>(std::move(key), std::move(help), member);
+}
+template <typename T>
+SettingsField optional_field(std::string key, std::string help, Member<std::optional<T>> member) {
+  return field_as<OrAuto<T>>(std::move(key), std::move(help), member);
+}
+SettingsField degrees_field(std::string key, std::string help, Member<double> member) {
+  return field_as<Degrees>(std::move(key), std::move(help), member);
 }
 
-/// A field written in degrees and held in radians.
-template <typename Access>
-SettingsField degrees_field(std::string key, std::string help, Access access) {
-  constexpr double degree = std::numbers::pi / 180.0;
-  return {key, std::move(help),
-          [=](Settings& s, const std::string& text) { access(s) = parse<double>(key, text) * degree; },
-          [=](const Settings& s) { return print(access(const_cast<Settings&>(s)) / degree); }};
-}
-
-#define PERCH_FIELD(member)   \
-  [](Settings & s) -> auto& { \
-    return s.member;          \
+#define PERCH_FIELD(member)    \
+  +[](Settings & s) -> auto& { \
+    return s.member;           \
   }
 
 std::vector<SettingsField> make_fields() {
@@ -112,6 +128,8 @@ std::vector<SettingsField> make_fields() {
                      "branch-and-bound or focal-mha; auto: the first for fixed candidates, the second in "
                      "context",
                      PERCH_FIELD(method)),
+      field("search.bound", "none, cover or lagrangian: what bounds a state's goals, over fixed candidates",
+            PERCH_FIELD(bound)),
       field("search.candidates", "fixed: refined alone; context: refined in each parent scene",
             PERCH_FIELD(mode)),
       field("search.time_limit", "seconds of wall clock for the whole command, > 0", PERCH_FIELD(time_limit)),
@@ -185,6 +203,9 @@ void Settings::check() const {
 }
 
 void Settings::check_together() const {
+  if (search_method() == SearchMethod::branch_and_bound && bound != StateBound::lagrangian)
+    throw InvalidSetting(fmt::format(
+        "search.bound is {}, but branch-and-bound needs lagrangian; use --search focal-mha", name(bound)));
   if (mode != CandidateMode::context) return;
   if (search_method() == SearchMethod::branch_and_bound)
     throw InvalidSetting(
@@ -213,6 +234,9 @@ std::string name(CandidateMode mode) {
 }
 std::string name(SearchMethod method) {
   return print(method);
+}
+std::string name(StateBound bound) {
+  return print(bound);
 }
 std::string name(RefineMethod method) {
   return print(method);

@@ -24,14 +24,22 @@ enum class SearchMethod {
   focal_mha          ///< over the monotone scene generation tree
 };
 
+/// What bounds the cost of a state's goals from below, over fixed candidates.
+enum class StateBound {
+  none,       ///< h = 0, as in the paper: what is placed costs
+  cover,      ///< and the points of I that the rest can't explain, see CoverBound
+  lagrangian  ///< and the Lagrangian bound, which branch and bound needs
+};
+
 /// Everything that can be set. The command line, settings files and `--set` all go through settings_fields,
 /// so that a default is written once, here and in the structs below.
 struct Settings {
   double w = 3.0;  ///< the answer costs at most w times the optimum
   CandidateMode mode = CandidateMode::fixed;
-  std::optional<SearchMethod> method;  ///< branch and bound over fixed candidates, Focal-MHA* in context
-  double time_limit = 60.0;            ///< seconds of wall clock for the whole command
-  std::size_t threads = 0;             ///< 0 = as many as the machine has
+  std::optional<SearchMethod> method;  ///< see search_method()
+  StateBound bound = StateBound::lagrangian;
+  double time_limit = 60.0;                     ///< seconds of wall clock for the whole command
+  std::size_t threads = 0;                      ///< 0 = as many as the machine has
   std::optional<std::uint64_t> max_expansions;  ///< stop the search after so many
   bool anytime = false;     ///< go on after the first solution, until it is proven optimal or time is up
   bool exhaustive = false;  ///< value every scene instead of searching; for small grids
@@ -40,9 +48,10 @@ struct Settings {
   PolishSettings polish;
   AmbiguitySettings ambiguity;
 
+  /// Branch and bound wherever it is possible, unless set.
   SearchMethod search_method() const {
-    return method.value_or(mode == CandidateMode::fixed ? SearchMethod::branch_and_bound
-                                                        : SearchMethod::focal_mha);
+    const bool possible = mode == CandidateMode::fixed && bound == StateBound::lagrangian;
+    return method.value_or(possible ? SearchMethod::branch_and_bound : SearchMethod::focal_mha);
   }
   /// The factor at which the search may stop.
   double stopping_factor() const { return anytime ? 1.0 : w; }
@@ -69,6 +78,7 @@ void set_field(Settings& settings, const std::string& key, const std::string& va
 
 std::string name(CandidateMode mode);
 std::string name(SearchMethod method);
+std::string name(StateBound bound);
 std::string name(RefineMethod method);
 std::string name(MissingDepth missing_depth);
 

@@ -2,26 +2,10 @@
 
 #include <algorithm>
 
-#include "perch/core/dispatch.hpp"
+#define PERCH_KERNELS "perch/observation/bit_counts.inc"
+#include "perch/core/for_each_instruction_set.hpp"
 
 namespace perch {
-namespace {
-
-PERCH_DISPATCH std::size_t count_bits(const std::uint64_t* words, std::size_t n) {
-  std::size_t sum = 0;
-  for (std::size_t i = 0; i < n; ++i) sum += static_cast<std::size_t>(__builtin_popcountll(words[i]));
-  return sum;
-}
-
-PERCH_DISPATCH std::size_t count_bits_not_in(const std::uint64_t* words, const std::uint64_t* other,
-                                             std::size_t n) {
-  std::size_t sum = 0;
-  for (std::size_t i = 0; i < n; ++i)
-    sum += static_cast<std::size_t>(__builtin_popcountll(words[i] & ~other[i]));
-  return sum;
-}
-
-}  // namespace
 
 PointSet::PointSet(const std::vector<Run>& runs) {
   if (runs.empty()) return;
@@ -46,11 +30,11 @@ void PointSet::clear() {
 }
 
 std::size_t PointSet::count() const {
-  return count_bits(words_.data(), words_.size());
+  return PERCH_CALL(count_bits, words_.data(), words_.size());
 }
 
 std::size_t PointSet::count_not_in(const PointSet& other) const {
-  return count_bits_not_in(words_.data(), other.words_.data() + first_, words_.size());
+  return PERCH_CALL(count_bits_not_in, words_.data(), other.words_.data() + first_, words_.size());
 }
 
 void PointSet::insert_all(const PointSet& other) {

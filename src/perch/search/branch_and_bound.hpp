@@ -185,12 +185,7 @@ class BranchAndBound {
   }
 
   std::optional<StopReason> interrupted() const {
-    if (stop_.cancelled()) return StopReason::cancelled;
-    if (stop_.out_of_time()) return StopReason::time;
-    if (options_.max_expansions && counters_.expanded >= *options_.max_expansions)
-      return StopReason::max_expansions;
-    if (open_.size() >= options_.max_open) return StopReason::memory;
-    return std::nullopt;
+    return interruption(stop_, counters_.expanded, options_.max_expansions, open_.size(), options_.max_open);
   }
 
   SearchProgress progress() const {

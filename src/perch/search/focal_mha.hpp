@@ -132,12 +132,8 @@ class FocalMha {
   }
 
   std::optional<StopReason> interrupted() const {
-    if (stop_.cancelled()) return StopReason::cancelled;
-    if (stop_.out_of_time()) return StopReason::time;
-    if (options_.max_expansions && counters_.expanded >= *options_.max_expansions)
-      return StopReason::max_expansions;
-    if (states_.size() >= options_.max_states) return StopReason::memory;
-    return std::nullopt;
+    return interruption(stop_, counters_.expanded, options_.max_expansions, states_.size(),
+                        options_.max_states);
   }
 
   /// FOCAL is OPEN's states with f <= w * min f. As min f never falls, none leaves it but by a change of its

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "perch/core/stop.hpp"
+
 namespace perch {
 
 /// A goal and the cost of a path to it: the best known so far.
@@ -41,6 +43,17 @@ constexpr std::string_view name(StopReason reason) {
       return "memory";
   }
   return "unknown";
+}
+
+/// Why a search has to stop before it is done, if it has to. `held`: states or nodes in memory.
+inline std::optional<StopReason> interruption(const StopCondition& stop, std::uint64_t expanded,
+                                              std::optional<std::uint64_t> max_expansions, std::size_t held,
+                                              std::size_t max_held) {
+  if (stop.cancelled()) return StopReason::cancelled;
+  if (stop.out_of_time()) return StopReason::time;
+  if (max_expansions && expanded >= *max_expansions) return StopReason::max_expansions;
+  if (held >= max_held) return StopReason::memory;
+  return std::nullopt;
 }
 
 struct SearchCounters {

@@ -120,7 +120,8 @@ void SceneBranching::look_ahead(std::int64_t upper_bound, const StopCondition& s
   root_->branching_slot = slot_to_branch(root_->slots);
 }
 
-/// The most gain for the number of children, on a logarithmic scale: that is what a child spares.
+/// The object whose placing raises the bound most. The root of the number of its children counts against it:
+/// of the shares tried, it left the fewest nodes.
 std::size_t SceneBranching::slot_to_branch(const std::vector<OpenSlot>& slots) const {
   std::size_t best = 0;
   double best_score = -1.0;

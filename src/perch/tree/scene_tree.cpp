@@ -16,7 +16,7 @@ SceneTree::SceneTree(const LocalizationProblem& problem, CandidateSet& set,
       in_context_(in_context) {
   settings_.check();
   if (!in_context) {
-    bound_.emplace(set, problem.models().size());
+    cover_bound_.emplace(set, problem.models().size());
     return;
   }
   for (std::size_t model = 0; model < problem.models().size(); ++model) {
@@ -46,10 +46,10 @@ void SceneTree::use(const ReducedCosts& reduced_costs, std::int64_t lower_bound,
 
 SceneTree::State SceneTree::root() const {
   State root;
-  if (bound_) {
+  if (cover_bound_) {
     const PointSet nothing(problem_.observation().size());
     root.bound =
-        (*bound_)(nothing, static_cast<std::int64_t>(problem_.observation().size()), problem_.copies());
+        (*cover_bound_)(nothing, static_cast<std::int64_t>(problem_.observation().size()), problem_.copies());
   }
   root.bound = std::max(root.bound, lower_bound_);
   return root;
@@ -104,7 +104,7 @@ std::vector<SceneTree::Hypothesis> SceneTree::hypotheses_of(const Parent& parent
 }
 
 std::int64_t SceneTree::lagrangian_with(const Parent& parent, CandidateId id) const {
-  return ReducedCosts::count(parent.lagrangian + reduced_costs_.reduced_cost(id));
+  return Lagrangian::count(parent.lagrangian + reduced_costs_.reduced_cost(id));
 }
 
 bool SceneTree::add_volumes(const StopCondition& stop) {
@@ -214,11 +214,11 @@ void SceneTree::value(const State& state, const Parent& parent, const Candidate&
   enclosed.insert_all(candidate.enclosed);
   const auto observed = static_cast<std::int64_t>(enclosed.count_not_in(covered));
   child.cost = child.bound = rendered + observed;
-  if (!bound_) return;
+  if (!cover_bound_) return;
   std::vector<int> remaining = parent.remaining;
   --remaining[candidate.model];
   const auto points = static_cast<std::int64_t>(problem_.observation().size());
-  child.bound = rendered + std::max(observed, (*bound_)(covered, points, remaining));
+  child.bound = rendered + std::max(observed, (*cover_bound_)(covered, points, remaining));
 }
 
 std::int64_t SceneTree::charged_with(const Parent& parent, const DepthPatch& patch) const {

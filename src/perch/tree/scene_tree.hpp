@@ -20,12 +20,15 @@ namespace perch {
 ///
 /// The cost of an edge is the rise of `SceneState::cost`, which depends on the state alone, so that all
 /// orders of a scene cost the same and edges along a path to a goal add up to its flat J:
-///     g(s) = max(0, C_r(s) - (K - j) n) + |{p in I, in V_s : no placed candidate alone explains p}|,   j =
-///     |s| < K g(s) = J(s), j = K
-/// C_r counts the points of R_j that are unexplained at every depth in [z - (K - j) t, z] on their rays:
-/// whatever the K - j objects to come may do within the monotone tolerance (n, t), at least that many stay.
-/// V_s holds the points of I so deep in a placed solid that no object beside it can explain them. Both only
-/// grow from parent to child, and bound the two terms of J from below (docs/algorithm.md has the proofs).
+///
+///     g(s) = max(0, C_r(s) - (K - j) n) + |{p in I, in V_s : no placed candidate alone explains p}|, j < K
+///     g(s) = J(s), j = K
+///
+/// where j = |s|. C_r counts the points of R_j that are unexplained at every depth in [z - (K - j) t, z] on
+/// their rays: whatever the K - j objects to come may do within the monotone tolerance (n, t), at least that
+/// many stay. V_s holds the points of I so deep in a placed solid that no object beside it can explain them.
+/// Both only grow from parent to child, and bound the two terms of J from below (docs/algorithm.md has the
+/// proofs).
 class SceneTree {
  public:
   using State = SceneState;
@@ -44,6 +47,9 @@ class SceneTree {
   /// reaches `upper_bound`, the cost of a known scene. \param lower_bound what the Lagrangian bound says of
   /// all scenes: no less than the base of the reduced costs.
   void use(const ReducedCosts& reduced_costs, std::int64_t lower_bound, std::int64_t upper_bound);
+
+  /// Over a fixed set: values states by what is placed alone, h = 0 as in the paper.
+  void forget_cover_bound() { cover_bound_.reset(); }
 
   State root() const;
   bool is_goal(const State& state) const { return state.placed.size() == problem_.object_count(); }
@@ -113,7 +119,7 @@ class SceneTree {
   std::vector<CandidateMaker>& makers_;
   const Executor& executor_;
   MonotoneSettings settings_;
-  std::optional<CoverBound> bound_;  ///< over a fixed set
+  std::optional<CoverBound> cover_bound_;  ///< over a fixed set
   bool in_context_;
   ReducedCosts reduced_costs_;
   std::optional<std::int64_t> upper_bound_;  ///< set where the reduced costs are used

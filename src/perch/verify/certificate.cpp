@@ -10,18 +10,6 @@
 namespace perch {
 namespace {
 
-const char* name(Status status) {
-  switch (status) {
-    case Status::solved:
-      return "solved";
-    case Status::time_limit:
-      return "time_limit";
-    case Status::infeasible:
-      break;
-  }
-  return "infeasible";
-}
-
 template <typename T>
 std::string text(const std::optional<T>& value) {
   return value ? fmt::format("{}", *value) : "null";
@@ -114,7 +102,7 @@ class CertificateCheck {
                            proven ? "<=" : ">", w, result_.lower_bound);
       holds = result_.status == (proven ? Status::solved : Status::time_limit);
     }
-    add("status", name(result_.status), wanted, holds);
+    add("status", std::string(name(result_.status)), wanted, holds);
   }
 
   void check_models() {
