@@ -127,6 +127,25 @@ TEST(ExampleScene, ObjectsDontTouch) {
   }
 }
 
+TEST(SceneFolder, KeepsWhatIsOptionalAndPriors) {
+  const TemporaryFolder folder("perch_optional_scene");
+  SimulatedScene made = tabletop_example();
+  made.scene.objects[1].optional = made.scene.objects[4].optional = true;
+  for (const TruthPose& truth : made.scene.truth)
+    made.scene.priors.push_back({truth.model, {truth.pose.x + 0.01, -truth.pose.y, 1.0 / 3.0}});
+  write_scene_folder(folder.path(), made, "two lines\nof comment");
+  const Scene read = read_scene(folder.path() / "scene.yaml");
+  ASSERT_EQ(read.objects.size(), made.scene.objects.size());
+  for (std::size_t i = 0; i < read.objects.size(); ++i)
+    EXPECT_EQ(read.objects[i].optional, made.scene.objects[i].optional) << i;
+  ASSERT_EQ(read.priors.size(), made.scene.priors.size());
+  for (std::size_t i = 0; i < read.priors.size(); ++i) {
+    EXPECT_EQ(read.priors[i].model, made.scene.priors[i].model);
+    EXPECT_EQ(read.priors[i].pose, made.scene.priors[i].pose);
+  }
+  EXPECT_EQ(read.truth.size(), made.scene.truth.size());
+}
+
 TEST(SceneFolder, EveryModelSurvivesItsFile) {
   const TemporaryFolder folder("perch_model_files");
   fs::create_directories(folder.path());

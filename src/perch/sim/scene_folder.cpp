@@ -75,13 +75,17 @@ std::string scene_yaml(const SimulatedScene& simulated, const std::string& comme
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     text += fmt::format(fmt::runtime(scene.objects[i].optional ? "{}{{model: {}, optional: true}}" : "{}{}"),
                         i == 0 ? "" : ", ", scene.models[scene.objects[i].model].name);
-  text += "]\ntruth:  # metres and radians\n";
-  for (std::size_t i = 0; i < scene.truth.size(); ++i) {
-    const auto& [model, at, symmetry] = scene.truth[i];
-    text += fmt::format("  - {{model: {}, x: {}, y: {}, yaw: {}}}  # {:.0f} % visible\n",
-                        scene.models[model].name, number(at.x), number(at.y), number(at.yaw),
-                        100.0 * simulated.visible_fractions[i]);
-  }
+  text += "]\n";
+  const auto placed_at = [&](std::size_t model, const Pose& at) {
+    return fmt::format("  - {{model: {}, x: {}, y: {}, yaw: {}}}", scene.models[model].name, number(at.x),
+                       number(at.y), number(at.yaw));
+  };
+  if (!scene.priors.empty()) text += "priors:  # from another detector; metres and radians\n";
+  for (const PlacedModel& prior : scene.priors) text += placed_at(prior.model, prior.pose) + "\n";
+  text += "truth:  # metres and radians\n";
+  for (std::size_t i = 0; i < scene.truth.size(); ++i)
+    text += placed_at(scene.truth[i].model, scene.truth[i].pose) +
+            fmt::format("  # {:.0f} % visible\n", 100.0 * simulated.visible_fractions[i]);
   return text;
 }
 
