@@ -47,7 +47,7 @@ class Damage : public CommandLine {
       std::mt19937_64 random(seed);
       write(folder() / file, bytes(random));
       const Outcome outcome =
-          run_program(folder(), coarse({"localize", "scene.yaml", "--time-limit", "2", "-o", "out"}),
+          run_program(folder(), coarse({"localize", "scene.yaml", "--time-limit", "0.5", "-o", "out"}),
                       std::chrono::seconds(60));
       EXPECT_EQ(outcome.signal, 0) << outcome;
       EXPECT_LE(outcome.status, 3) << outcome;

@@ -123,10 +123,11 @@ inline void check_trace(const std::string& trace, const Json& result) {
   for (std::string line; std::getline(lines, line);) {
     const Json entry = Json::parse(line);
     EXPECT_THAT(keys(entry),
-                ::testing::UnorderedElementsAre("seconds", "cost", "search_cost", "lower_bound"));
+                ::testing::UnorderedElementsAre("seconds", "cost", "search_cost", "lower_bound", "expanded"));
     EXPECT_GE(entry.at("seconds"), last.is_null() ? 0.0 : last["seconds"].get<double>());
     if (!last.is_null()) {
       EXPECT_GE(entry.at("lower_bound"), last["lower_bound"]);
+      EXPECT_GE(entry.at("expanded"), last["expanded"]);
       for (const char* key : {"cost", "search_cost"})
         if (!last[key].is_null()) {
           EXPECT_LE(entry.at(key), last[key]) << key;
@@ -140,6 +141,7 @@ inline void check_trace(const std::string& trace, const Json& result) {
   ASSERT_FALSE(last.is_null());
   for (const char* key : {"cost", "search_cost", "lower_bound"})
     EXPECT_EQ(last.at(key), result.at(key)) << key;
+  EXPECT_EQ(last.at("expanded"), result.at("stats").at("expanded"));
   EXPECT_LE(last.at("seconds"), result.at("stats").at("seconds").at("total"));
 }
 

@@ -9,6 +9,7 @@
 
 #include "perch/core/random.hpp"
 #include "perch/heuristics/heuristics.hpp"
+#include "perch/localize/localize.hpp"
 #include "perch/localize/scene_search.hpp"
 #include "perch/search/focal_mha.hpp"
 #include "small_problem.hpp"
@@ -108,6 +109,40 @@ TEST(PriorsHeavy, NeverChangeTheGuarantee) {
             found.incumbent ? static_cast<std::int64_t>(found.lower_bound) : 0);
       }
   }
+}
+
+/// Expansions until the run met a scene that costs no more than this; `never` where it met none.
+double expansions_until(const Result& result, double cost, double never) {
+  for (const TraceEntry& entry : result.trace)
+    if (entry.search_cost && static_cast<double>(*entry.search_cost) <= cost)
+      return static_cast<double>(entry.expanded);
+  return never;
+}
+
+// In context no scene is known before the search: right priors lead to a good one at once.
+TEST(PriorsHeavy, RightOnesCutTheExpansionsToAGoodScene) {
+  double without = 0.0, right = 0.0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Scene scene = small_tabletop(seed, seed % 2 == 0, 3, false).scene;
+    Settings settings = small_settings(RefineMethod::icp);
+    settings.candidates.grid.resolution = 0.07;
+    settings.mode = CandidateMode::context;
+    settings.max_expansions = 30;
+    const SerialExecutor executor;
+    const Result plain = localize(scene, settings, executor, StopCondition());
+    for (const TruthPose& truth : scene.truth) scene.priors.push_back({truth.model, truth.pose});
+    const Result guided = localize(scene, settings, executor, StopCondition());
+    for (PlacedModel& prior : scene.priors) prior.pose = {-prior.pose.x, -prior.pose.y, prior.pose.yaw + 1.5};
+    const Result misled = localize(scene, settings, executor, StopCondition());
+    ASSERT_TRUE(plain.search_cost && guided.search_cost && misled.search_cost);
+    const std::int64_t best = std::min({*plain.search_cost, *guided.search_cost, *misled.search_cost});
+    for (const Result* result : {&plain, &guided, &misled}) EXPECT_LE(result->lower_bound, best);
+    const double good = 1.25 * static_cast<double>(best);
+    without += expansions_until(plain, good, 30.0);
+    right += expansions_until(guided, good, 30.0);
+  }
+  EXPECT_LT(4.0 * right, without);
 }
 
 }  // namespace

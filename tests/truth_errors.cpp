@@ -4,8 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -13,32 +11,18 @@
 #include <string_view>
 #include <vector>
 
+#include "perch/io/result_file.hpp"
 #include "perch/io/scene_file.hpp"
 
 namespace {
 
 constexpr double degrees = 180.0 / std::numbers::pi;
 
-struct Found {
-  std::string model;
-  perch::Pose pose;
-};
-
-/// The objects of a result.json that have a pose.
-std::vector<Found> read_found(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": can't be read");
-  std::vector<Found> found;
-  const nlohmann::json result = nlohmann::json::parse(file);
-  for (const auto& object : result.at("objects"))
-    if (object.contains("x"))
-      found.push_back({object.at("model"), {object.at("x"), object.at("y"), object.at("yaw")}});
-  return found;
-}
-
 double distance(const perch::Pose& a, const perch::Pose& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
+
+using Found = perch::ReportedObject;
 
 /// Which of `found` stands for each true pose: the nearest pairs of a model first, each used once.
 std::vector<const Found*> matched(const perch::Scene& scene, const std::vector<Found>& found) {
@@ -49,7 +33,7 @@ std::vector<const Found*> matched(const perch::Scene& scene, const std::vector<F
   std::vector<Pair> pairs;
   for (std::size_t t = 0; t < scene.truth.size(); ++t)
     for (std::size_t f = 0; f < found.size(); ++f)
-      if (found[f].model == scene.models[scene.truth[t].model].name)
+      if (!found[f].absent && found[f].model == scene.truth[t].model)
         pairs.push_back({distance(scene.truth[t].pose, found[f].pose), t, f});
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.distance < b.distance; });
   std::vector<const Found*> match(scene.truth.size(), nullptr);
@@ -120,7 +104,7 @@ int main(int argc, char** argv) {
     if (scene.truth.empty()) throw std::runtime_error(fmt::format("{}: has no truth", argv[1]));
     std::optional<Limits> limits;
     if (limited) limits = Limits{number(argv[4]), number(argv[5])};
-    return print_errors(scene, read_found(argv[2]), limits) ? 0 : 1;
+    return print_errors(scene, perch::read_result(argv[2], scene).objects, limits) ? 0 : 1;
   } catch (const std::exception& error) {
     fmt::print(stderr, "perch_truth_errors: {}\n", error.what());
     return 2;

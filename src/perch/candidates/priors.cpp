@@ -6,13 +6,10 @@
 #include <optional>
 
 namespace perch {
-namespace {
 
-double distance(const ObjectModel& model, const Pose& a, const Pose& b) {
+double pose_distance(const ObjectModel& model, const Pose& a, const Pose& b) {
   return std::hypot(a.x - b.x, a.y - b.y) + model.radius() * model.symmetry().yaw_difference(a.yaw, b.yaw);
 }
-
-}  // namespace
 
 double prior_distance(const LocalizationProblem& problem, const Candidate& candidate,
                       const std::vector<PriorPose>& priors) {
@@ -20,7 +17,7 @@ double prior_distance(const LocalizationProblem& problem, const Candidate& candi
   std::optional<double> nearest;
   for (const PriorPose& prior : priors) {
     if (prior.model != candidate.model) continue;
-    const double d = distance(problem.models()[candidate.model], candidate.pose, prior.pose);
+    const double d = pose_distance(problem.models()[candidate.model], candidate.pose, prior.pose);
     nearest = std::min(nearest.value_or(d), d);
   }
   return nearest.value_or(0.0);
@@ -36,7 +33,7 @@ std::vector<CandidateId> nearest_to_priors(const LocalizationProblem& problem, c
     double least = std::numeric_limits<double>::infinity();
     for (const CandidateId id : set.of_model(prior.model)) {
       if (set[id].absent) continue;
-      const double d = distance(problem.models()[prior.model], set[id].pose, prior.pose);
+      const double d = pose_distance(problem.models()[prior.model], set[id].pose, prior.pose);
       if (d >= least || std::any_of(chosen.begin(), chosen.end(),
                                     [&](CandidateId other) { return problem.collide(set[id], set[other]); }))
         continue;

@@ -12,9 +12,12 @@ struct PriorPose {
   Pose pose;
 };
 
-/// How far a candidate is from the nearest prior of its model: metres in the plane plus the arc that the yaws
-/// differ by at the model's radius, modulo its symmetry. 0 where the model has no prior or the object is
-/// absent.
+/// How far two poses of a model are apart: metres in the plane plus the arc that the yaws differ by at the
+/// model's radius, modulo its symmetry.
+double pose_distance(const ObjectModel& model, const Pose& a, const Pose& b);
+
+/// How far a candidate is from the nearest prior of its model. 0 where the model has no prior or the object
+/// is absent.
 double prior_distance(const LocalizationProblem& problem, const Candidate& candidate,
                       const std::vector<PriorPose>& priors);
 

@@ -124,7 +124,8 @@ std::string to_json_lines(const std::vector<TraceEntry>& trace) {
     lines += Json{{"seconds", entry.seconds},
                   {"cost", or_null(entry.cost)},
                   {"search_cost", or_null(entry.search_cost)},
-                  {"lower_bound", entry.lower_bound}}
+                  {"lower_bound", entry.lower_bound},
+                  {"expanded", entry.expanded}}
                  .dump() +
              "\n";
   return lines;

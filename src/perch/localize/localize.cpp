@@ -117,6 +117,7 @@ class Localization {
                      : found.best    ? StopReason::solved
                                      : StopReason::infeasible;
     if (found.best && found.complete) outcome.lower_bound = found.best->cost;
+    log_.counts(outcome.generated, outcome.expanded);
     if (found.best) log_.improved(found.best->cost, outcome.lower_bound);
     return outcome;
   }

@@ -94,6 +94,7 @@ struct TraceEntry {
   double seconds = 0.0;
   std::optional<std::int64_t> cost, search_cost;  ///< of the best scene known
   std::int64_t lower_bound = 0;
+  std::uint64_t expanded = 0;  ///< states or nodes so far
 };
 
 /// The answer to one scene, as written to result.json.

@@ -90,7 +90,14 @@ class SceneSearch {
 
   SearchOutcome in_context(std::int64_t& hypotheses) {
     SceneTree tree = SceneTree::in_context(problem_, set_, makers_, executor_, settings_.tree);
-    focal_mha_over(tree, std::nullopt);
+    std::optional<Incumbent<SceneState>> first;
+    if (!priors_.empty())
+      if (const auto guided = tree.guided_by(priors_)) {
+        first = Incumbent<SceneState>{*guided, static_cast<double>(guided->cost)};
+        outcome_.scenes.push_back({guided->placed, guided->cost});
+        log_.improved(guided->cost, 0);
+      }
+    focal_mha_over(tree, std::move(first));
     hypotheses += tree.hypotheses();
     return std::move(outcome_);
   }
@@ -155,6 +162,7 @@ class SceneSearch {
     outcome_.reason = found.reason;
     outcome_.generated = found.counters.generated;
     outcome_.expanded = found.counters.expanded;
+    log_.counts(outcome_.generated, outcome_.expanded);
     // The incumbent is among the scenes: it was met first, or reported when it was found.
     std::stable_sort(outcome_.scenes.begin(), outcome_.scenes.end(),
                      [](const CandidateScene& a, const CandidateScene& b) { return a.cost < b.cost; });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace perch {
 
@@ -147,20 +148,95 @@ Expansion<SceneState> SceneTree::expand(const State& state, const StopCondition&
   if (in_context_)
     hypotheses_ += std::count_if(hypotheses.begin(), hypotheses.end(),
                                  [](const Hypothesis& hypothesis) { return hypothesis.grid >= 0; });
-  for (Child& child : children) {
-    if (!child.valid) continue;
-    if (child.made) {
-      child.id = set_.add(std::move(*child.made));
-      with_volumes_ = set_.size();  // made in context, they come with theirs
+  for (Child& child : children)
+    if (auto next = add_child(state, std::move(child))) {
+      const auto cost = static_cast<double>(next->cost - state.cost);
+      expansion.edges.push_back({std::move(*next), cost});
     }
-    State next;
-    next.placed = state.placed;
-    next.placed.insert(std::upper_bound(next.placed.begin(), next.placed.end(), child.id), child.id);
-    next.cost = child.cost;
-    next.bound = child.bound;
-    expansion.edges.push_back({std::move(next), static_cast<double>(child.cost - state.cost)});
-  }
   return expansion;
+}
+
+/// Empty where the child is not valid.
+std::optional<SceneState> SceneTree::add_child(const State& state, Child child) {
+  if (!child.valid) return std::nullopt;
+  if (child.made) {
+    child.id = set_.add(std::move(*child.made));
+    with_volumes_ = set_.size();  // made in context, they come with theirs
+  }
+  State next;
+  next.placed = state.placed;
+  next.placed.insert(std::upper_bound(next.placed.begin(), next.placed.end(), child.id), child.id);
+  next.cost = child.cost;
+  next.bound = child.bound;
+  return next;
+}
+
+std::optional<SceneState> SceneTree::guided_by(const std::vector<PriorPose>& priors) {
+  std::vector<PriorPose> ordered = priors;
+  const auto depth = [&](const PriorPose& prior) {
+    return problem_.camera_from_model(prior.model, prior.pose).translation().z();
+  };
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [&](const PriorPose& a, const PriorPose& b) { return depth(a) < depth(b); });
+  std::vector<std::vector<Hypothesis>> steps;
+  std::vector<int> left = problem_.copies();
+  for (const PriorPose& prior : ordered)
+    if (left[prior.model]-- > 0) steps.push_back(near(prior));
+  for (std::size_t model = 0; model < left.size(); ++model)
+    for (const CandidateId id : set_.of_model(model))
+      if (set_[id].absent && left[model] > 0)
+        steps.insert(steps.end(), static_cast<std::size_t>(left[model]), {{model, id, -1}});
+  if (steps.size() != problem_.object_count()) return std::nullopt;
+
+  State state = root();
+  for (const std::vector<Hypothesis>& hypotheses : steps) {
+    auto next = best_child(state, hypotheses);
+    if (!next) return std::nullopt;
+    state = std::move(*next);
+  }
+  return state;
+}
+
+/// The grid poses nearest to a prior, the nearest first.
+std::vector<SceneTree::Hypothesis> SceneTree::near(const PriorPose& prior) const {
+  constexpr std::size_t most = 8;  // the corners of the grid's cell around it
+  const PoseGrid& grid = problem_.grid(prior.model);
+  std::vector<std::pair<double, std::int64_t>> poses;
+  for (std::int64_t i = 0; i < static_cast<std::int64_t>(grid.size()); ++i)
+    poses.emplace_back(pose_distance(problem_.models()[prior.model], grid.pose(i), prior.pose), i);
+  const std::size_t n = std::min(most, poses.size());
+  std::partial_sort(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(n), poses.end());
+  std::vector<Hypothesis> hypotheses;
+  for (std::size_t i = 0; i < n; ++i) hypotheses.push_back({prior.model, 0, poses[i].second});
+  return hypotheses;
+}
+
+/// Of some children the one whose scene, as far as it is placed, has the least J.
+std::optional<SceneState> SceneTree::best_child(const State& state,
+                                                const std::vector<Hypothesis>& hypotheses) {
+  CandidateMaker& maker = makers_.front();
+  const Parent parent = make_parent(state);
+  Child best;
+  std::int64_t least = 0;
+  for (const Hypothesis& hypothesis : hypotheses) {
+    Child child;
+    child.id = hypothesis.id;
+    if (hypothesis.grid >= 0) {
+      ++hypotheses_;
+      child.made = make_in_context(hypothesis, parent.composite.depth, maker);
+      if (!child.made) continue;
+    }
+    const Candidate& candidate = child.made ? *child.made : set_[child.id];
+    value(state, parent, candidate, maker, child);
+    if (!child.valid) continue;
+    const std::int64_t cost =
+        problem_.cost().counts_with(parent.composite, maker.patch(candidate), maker.scratch()).total();
+    if (child.made) child.made->patch = {};
+    if (best.valid && cost >= least) continue;
+    least = cost;
+    best = std::move(child);
+  }
+  return add_child(state, std::move(best));
 }
 
 /// Lazily: where the parent hides nothing that making the hypothesis looks at, it is what it is alone, to the

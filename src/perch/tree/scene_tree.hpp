@@ -9,6 +9,7 @@
 #include "perch/candidates/candidate_set.hpp"
 #include "perch/candidates/cover_bound.hpp"
 #include "perch/candidates/lagrangian_bound.hpp"
+#include "perch/candidates/priors.hpp"
 #include "perch/search/search_problem.hpp"
 #include "perch/tree/monotone.hpp"
 #include "perch/tree/scene_state.hpp"
@@ -54,6 +55,11 @@ class SceneTree {
   State root() const;
   bool is_goal(const State& state) const { return state.placed.size() == problem_.object_count(); }
   Expansion<State> expand(const State& state, const StopCondition& stop);
+
+  /// In context: the scene that the priors lead to, the nearest object to the camera first, each made from
+  /// the grid pose nearest to its prior; optional objects without a prior are left out. Empty where that is
+  /// no path of the tree.
+  std::optional<State> guided_by(const std::vector<PriorPose>& priors);
 
   /// The state that places these candidates, valued as the tree values it. Not checked against the tree's
   /// conditions.
@@ -113,6 +119,9 @@ class SceneTree {
              Child& child) const;
   std::int64_t charged_with(const Parent& parent, const DepthPatch& patch) const;
   bool add_volumes(const StopCondition& stop);
+  std::optional<State> add_child(const State& state, Child child);
+  std::vector<Hypothesis> near(const PriorPose& prior) const;
+  std::optional<State> best_child(const State& state, const std::vector<Hypothesis>& hypotheses);
 
   const LocalizationProblem& problem_;
   CandidateSet& set_;
