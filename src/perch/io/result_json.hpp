@@ -11,8 +11,8 @@ namespace perch {
 /// value is absent; ends with a newline.
 std::string to_json(const Result& result);
 
-/// trace.jsonl: a line {seconds, cost, search_cost, lower_bound, expanded} for each time that the scene or its bound
-/// got better.
+/// trace.jsonl: a line {seconds, cost, search_cost, lower_bound, expanded} for each time that the scene or
+/// its bound got better.
 std::string to_json_lines(const std::vector<TraceEntry>& trace);
 
 /// The records of `score` as a JSON array, one a given scene; ends with a newline.
