@@ -21,6 +21,7 @@ void RefineSettings::check() const {
   in_range("rounds", rounds, 1, 100, "");
   in_range("iterations", iterations, 1, 1000, "");
   in_range("samples", samples, 10, 1e6, "");
+  in_range("least_matched", least_matched, 0.0, 1.0, "");
   in_range("robust_scale", robust_scale, 1e-6, 1.0, " metres");
   in_range("occlusion", occlusion, 0.0, 10.0, " metres");
 }
@@ -109,6 +110,7 @@ Pose align(const std::vector<SurfaceSample>& samples, const Pose& pose, bool fix
   const double arm = longest_arm(samples, pose);
   if (arm == 0.0) return pose;
 
+  const double least = settings.least_matched * static_cast<double>(samples.size());
   Pose moved = pose;
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     // The samples turn about the object's origin by the yaw gained so far, then shift.
@@ -117,6 +119,7 @@ Pose align(const std::vector<SurfaceSample>& samples, const Pose& pose, bool fix
     Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     double total_weight = 0.0;
+    std::size_t matched = 0;
     for (const SurfaceSample& sample : samples) {
       const float ax = sample.point.x() - static_cast<float>(pose.x),
                   ay = sample.point.y() - static_cast<float>(pose.y);
@@ -127,6 +130,7 @@ Pose align(const std::vector<SurfaceSample>& samples, const Pose& pose, bool fix
       if (q == nullptr) continue;
       const Eigen::Vector3f difference = p - *q;
       if (!(difference.squaredNorm() <= reach_squared)) continue;
+      ++matched;
       const float nx = c * sample.normal.x() - s * sample.normal.y(),
                   ny = s * sample.normal.x() + c * sample.normal.y();
       const float e = nx * difference.x() + ny * difference.y() + sample.normal.z() * difference.z();
@@ -137,7 +141,7 @@ Pose align(const std::vector<SurfaceSample>& samples, const Pose& pose, bool fix
       gradient += weight * static_cast<double>(e) * jacobian;
       total_weight += weight;
     }
-    if (total_weight == 0.0) break;
+    if (total_weight == 0.0 || (iteration == 0 && static_cast<double>(matched) < least)) break;
     normal_matrix.diagonal().array() += damping * total_weight;
     const Eigen::Vector3d step = -normal_matrix.ldlt().solve(gradient);
     moved.x += step.x();

@@ -22,6 +22,7 @@ struct RefineSettings {
   int rounds = 2;               ///< times that the object is rendered again and aligned
   int iterations = 10;          ///< of one round, at most
   int samples = 400;            ///< rendered points used in a round, about
+  double least_matched = 0.3;   ///< share of the samples that must find a point of I, or nothing is moved
   double robust_scale = 0.003;  ///< residual at which a point's weight is halved, metres
   double occlusion = 0.02;  ///< a rendered point this far behind the observed one is taken as hidden, metres
 
@@ -47,7 +48,8 @@ void sample_crosses(const DepthCrosses& crosses, const DepthPatch* in_front, con
 
 /// ICP in (x, y, yaw): moves the samples of an object at `pose` onto I by point-to-plane distances along the
 /// samples' normals with the robust weight 1 / (1 + |e| / robust_scale) (Chen and Medioni 1992; weight of the
-/// "fair" M-estimator). \param fix_yaw for solids of revolution. \return the pose after the last step.
+/// "fair" M-estimator). \param fix_yaw for solids of revolution. \return the pose after the last step;
+/// `pose` itself where fewer than `least_matched` of the samples lie within reach of I at the start.
 Pose align(const std::vector<SurfaceSample>& samples, const Pose& pose, bool fix_yaw,
            const NearestTable& observed, double reach, const RefineSettings& settings);
 
