@@ -1,4 +1,5 @@
-# One CMake target a layer: perch_layer(name SOURCES a.cpp b.cpp DEPENDS core ... LINK pkg::target ... [PRIVATE_LINK ...])
+# One CMake target a layer: perch_layer(name SOURCES a.cpp b.cpp DEPENDS core ... LINK pkg::target ... [PRIVATE_LINK ...]
+# [KERNELS c.cpp], those of the sources that include core/for_each_instruction_set.hpp)
 # makes the library perch_<name> (alias perch::<name>), and perch_layer_test(name [PLAIN] SOURCES a_test.cpp ...) its
 # test program.
 
@@ -8,6 +9,10 @@ target_compile_features(perch_options INTERFACE cxx_std_20)
 target_compile_options(perch_options INTERFACE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off)
 # Vectors are passed between inlined functions only (core/lanes.inc), where no calling convention is at stake.
 target_compile_options(perch_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>)
+if(PERCH_UNITY)
+  # What is local to one source would shadow what is local to another.
+  target_compile_options(perch_options INTERFACE -Wno-shadow)
+endif()
 if(PERCH_WERROR)
   target_compile_options(perch_options INTERFACE -Werror)
 endif()
@@ -44,13 +49,15 @@ if(PERCH_TESTS)
 endif()
 
 function(perch_layer name)
-  cmake_parse_arguments(L "" "" "SOURCES;DEPENDS;LINK;PRIVATE_LINK" ${ARGN})
+  cmake_parse_arguments(L "" "" "SOURCES;DEPENDS;LINK;PRIVATE_LINK;KERNELS" ${ARGN})
   list(TRANSFORM L_DEPENDS PREPEND perch::)
   if(L_SOURCES)
     add_library(perch_${name} STATIC ${L_SOURCES})
     set(scope PUBLIC)
     target_link_libraries(perch_${name} PRIVATE $<BUILD_INTERFACE:perch_options> ${L_PRIVATE_LINK})
     target_precompile_headers(perch_${name} REUSE_FROM perch_precompiled)
+    set_target_properties(perch_${name} PROPERTIES UNITY_BUILD ${PERCH_UNITY})
+    set_source_files_properties(${L_KERNELS} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   else()
     add_library(perch_${name} INTERFACE)
     set(scope INTERFACE)
@@ -74,6 +81,7 @@ function(perch_test target)
     set(T_TIMEOUT 300)
   endif()
   add_executable(${target} ${T_SOURCES})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${PERCH_UNITY})
   if(T_PLAIN)
     target_precompile_headers(${target} REUSE_FROM perch_precompiled_plain_tests)
     target_compile_options(${target} PRIVATE ${PERCH_PLAIN_TEST_OPTIONS})

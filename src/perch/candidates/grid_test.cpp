@@ -12,7 +12,7 @@
 namespace perch {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::vector<Pose> poses(const PoseGrid& grid) {
   std::vector<Pose> all;

@@ -13,7 +13,7 @@
 namespace perch {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(Pose, YawTurnsXTowardsY) {
   const Eigen::Vector3d p = world_from_model({1.0, 2.0, pi / 2}, 3.0) * Eigen::Vector3d(1, 0, 0);

@@ -10,7 +10,7 @@
 namespace perch {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float no_distance = std::numeric_limits<float>::infinity();
 constexpr float voxels_across = 72.0F;  // of the longest side; a compromise of memory (0.4 MB) and sharpness
 constexpr float smallest_voxel = 0.0005F, largest_voxel = 0.01F;
 constexpr std::size_t most_interior_samples = 2000;
@@ -70,7 +70,7 @@ SolidVolume::SolidVolume(const Mesh& mesh, double margin) : solid_(is_closed(mes
 
   field_.assign(static_cast<std::size_t>(size_.x()) * static_cast<std::size_t>(size_.y()) *
                     static_cast<std::size_t>(size_.z()),
-                infinity);
+                no_distance);
   const float seed_spacing = 0.5F * voxel_;
   const auto voxel_of = [&](const Eigen::Vector3f& p) -> Eigen::Vector3i {
     return ((p - origin_) / voxel_).array().round().matrix().cast<int>();
@@ -167,15 +167,15 @@ bool SolidVolume::find_voxel(const Eigen::Vector3f& p, std::size_t& voxel, float
 float SolidVolume::signed_distance(const Eigen::Vector3f& p) const {
   std::size_t voxel = 0;
   float distance = 0.0F;
-  return find_voxel(p, voxel, distance) ? field_[voxel] : -infinity;
+  return find_voxel(p, voxel, distance) ? field_[voxel] : -no_distance;
 }
 
 float SolidVolume::depth_lower_bound(const Eigen::Vector3f& p) const {
   std::size_t voxel = 0;
   float distance = 0.0F;
-  if (!solid_ || !find_voxel(p, voxel, distance) || field_[voxel] <= 0.0F) return -infinity;
+  if (!solid_ || !find_voxel(p, voxel, distance) || field_[voxel] <= 0.0F) return -no_distance;
   const float bound = field_[voxel] - field_error_ - distance;
-  return bound > 0.0F ? bound : -infinity;
+  return bound > 0.0F ? bound : -no_distance;
 }
 
 }  // namespace perch

@@ -14,9 +14,9 @@
 namespace perch {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double margin = 0.01;
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float unbounded = std::numeric_limits<float>::infinity();
 
 std::uint32_t number(std::size_t i) {
   return static_cast<std::uint32_t>(i);
@@ -195,7 +195,7 @@ TEST(SolidVolume, BoundsTheDepthOfPoints) {
       const double depth = true_depth(mesh, p.cast<double>());
       const float bound = volume.depth_lower_bound(p);
       deepest = std::max(deepest, depth);
-      if (bound == -infinity) {
+      if (bound == -unbounded) {
         ASSERT_LE(depth, uncertainty) << name << " at " << p.transpose();
       } else {
         ASSERT_GT(bound, 0.0F) << name << " at " << p.transpose();
@@ -216,10 +216,10 @@ TEST(SolidVolume, KnowsNothingBeyondItsField) {
   for (const Eigen::Vector3f& p :
        {Eigen::Vector3f(0.1F, 0, 0), Eigen::Vector3f(0, -0.1F, 0), Eigen::Vector3f(0, 0, 0.1F),
         Eigen::Vector3f(1e9F, 0, 0), Eigen::Vector3f(0, -1e9F, 0)}) {
-    EXPECT_EQ(volume.signed_distance(p), -infinity) << p.transpose();
-    EXPECT_EQ(volume.depth_lower_bound(p), -infinity) << p.transpose();
+    EXPECT_EQ(volume.signed_distance(p), -unbounded) << p.transpose();
+    EXPECT_EQ(volume.depth_lower_bound(p), -unbounded) << p.transpose();
   }
-  EXPECT_EQ(SolidVolume().depth_lower_bound(Eigen::Vector3f::Zero()), -infinity);
+  EXPECT_EQ(SolidVolume().depth_lower_bound(Eigen::Vector3f::Zero()), -unbounded);
 }
 
 TEST(SolidVolume, LeavesTheCavityOfACupOutside) {
@@ -230,7 +230,7 @@ TEST(SolidVolume, LeavesTheCavityOfACupOutside) {
     const double radius = inner * std::sqrt(random.uniform()), angle = random.uniform(0.0, 2.0 * pi);
     const Eigen::Vector3d p(radius * std::cos(angle), radius * std::sin(angle),
                             random.uniform(cup_wall, 1.1 * cup_height));
-    ASSERT_EQ(volume.depth_lower_bound(p.cast<float>()), -infinity) << p.transpose();
+    ASSERT_EQ(volume.depth_lower_bound(p.cast<float>()), -unbounded) << p.transpose();
     ASSERT_LE(volume.signed_distance(p.cast<float>()), 0.5F * volume.uncertainty()) << p.transpose();
   }
   EXPECT_GT(volume.depth_lower_bound({0, 0, static_cast<float>(cup_wall / 2)}), 0.0F) << "the cup's floor";
@@ -247,7 +247,7 @@ TEST(SolidVolume, OfAnOpenMeshHasNoInside) {
   Random random(3);
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector3f p = random_point(mesh.bounds(), random);
-    ASSERT_EQ(volume.depth_lower_bound(p), -infinity);
+    ASSERT_EQ(volume.depth_lower_bound(p), -unbounded);
     ASSERT_LE(volume.signed_distance(p), 0.0F);
   }
 }
@@ -259,7 +259,7 @@ TEST(SolidVolume, SamplesItsSurfaceAndItsInside) {
     Random random(4);
     for (int i = 0; i < 300; ++i) {
       const Eigen::Vector3f p = random_surface_point(mesh, random);
-      float nearest = infinity;
+      float nearest = unbounded;
       for (const Eigen::Vector3f& sample : samples) nearest = std::min(nearest, (sample - p).norm());
       ASSERT_LE(nearest, volume.sample_radius()) << name << " at " << p.transpose();
     }
@@ -289,7 +289,7 @@ TEST(SampleSurface, ComesCloseToEveryPoint) {
     const std::vector<Eigen::Vector3f> samples = sample_surface(mesh, spacing);
     for (int i = 0; i < 50; ++i) {
       const Eigen::Vector3f p = random_surface_point(mesh, random);
-      float nearest = infinity;
+      float nearest = unbounded;
       for (const Eigen::Vector3f& sample : samples) nearest = std::min(nearest, (sample - p).norm());
       ASSERT_LE(nearest, spacing / std::sqrt(3.0F) + 1e-6F) << "seed " << seed;
     }

@@ -12,7 +12,7 @@
 namespace perch {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int folds[] = {1, 2, 3, 4, 6, 7, 12, 360};
 
 /// Angles anywhere, and those where a period ends.

@@ -12,12 +12,13 @@
 
 #include "perch/core/random.hpp"
 #include "perch/search/branch_and_bound.hpp"
+#include "perch/search/random_graphs_test_support.hpp"
 
 namespace perch {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double factors[] = {1.0, 1.2, 3.0, 10.0};
+using test::factors;
+using test::infinity;
 constexpr std::size_t batches[] = {1, 3, 8, 100};
 
 /// How bounds relate to the cheapest solution below a node.

@@ -13,14 +13,15 @@
 #include <vector>
 
 #include "perch/core/random.hpp"
+#include "perch/search/random_graphs_test_support.hpp"
 
 namespace perch {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using test::infinity;
 
 /// Every node has `width` children, without end. Bounds are depths.
-struct Endless {
+struct EndlessBranching {
   struct Node {
     int depth = 0;
   };
@@ -42,7 +43,7 @@ struct Endless {
 };
 
 TEST(BranchAndBound, StopsForEachReasonWithATrueBound) {
-  Endless endless;
+  EndlessBranching endless;
   auto result = branch_and_bound(endless, {}, StopCondition::after(-1));
   EXPECT_EQ(result.reason, StopReason::time);
   EXPECT_EQ(result.counters.expanded, 0U);
@@ -67,7 +68,7 @@ TEST(BranchAndBound, StopsForEachReasonWithATrueBound) {
 
   endless.width = 1;
   StopCondition stop;
-  endless.before = [&](const Endless::Node& node) {
+  endless.before = [&](const EndlessBranching::Node& node) {
     if (node.depth == 4) stop.cancel();
   };
   result = branch_and_bound(endless, {}, stop);
@@ -102,13 +103,13 @@ TEST(BranchAndBound, EndsOnTimeInsideABatch) {
 }
 
 TEST(BranchAndBound, InitialIncumbentEndsItAtOnceIfTheBoundAllows) {
-  Endless endless;
-  endless.before = [](const Endless::Node&) { ADD_FAILURE(); };
+  EndlessBranching endless;
+  endless.before = [](const EndlessBranching::Node&) { ADD_FAILURE(); };
   auto result = branch_and_bound(endless, {}, StopCondition(), Incumbent<int>{5, 0.0});
   EXPECT_EQ(result.reason, StopReason::solved);
   EXPECT_EQ(result.incumbent->state, 5);
   EXPECT_EQ(result.lower_bound, 0);
-  endless.before = [](const Endless::Node&) {};
+  endless.before = [](const EndlessBranching::Node&) {};
   // Solutions may be cheaper than what is known up to a depth of 10.
   result = branch_and_bound(endless, {.w = 2}, StopCondition(), Incumbent<int>{5, 10.0});
   EXPECT_EQ(result.lower_bound, 5);

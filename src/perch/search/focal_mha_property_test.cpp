@@ -15,12 +15,12 @@ namespace {
 
 using test::Admissible;
 using test::ExplicitGraph;
+using test::factors;
 using test::infinity;
 using test::Shape;
 
 constexpr Shape shapes[] = {Shape::tree, Shape::dag, Shape::cyclic};
 constexpr Admissible admissibles[] = {Admissible::zero, Admissible::exact, Admissible::fraction};
-constexpr double factors[] = {1.0, 1.2, 3.0, 10.0};
 
 /// One random graph, its true costs, and heuristics for it; all from the seed.
 struct Case {

@@ -13,6 +13,8 @@
 namespace perch::test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+/// The suboptimality factors that every search is tested at.
+constexpr double factors[] = {1.0, 1.2, 3.0, 10.0};
 
 /// A graph in full, as a search problem. Vertices are 0 .. n - 1 and the root is 0. Edges out of goals are
 /// there for the reference solutions and not to be asked for.

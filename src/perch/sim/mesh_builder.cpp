@@ -9,7 +9,7 @@
 namespace perch {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::uint32_t add_vertex(Mesh& mesh, const Eigen::Vector3d& point) {
   mesh.vertices.push_back(point.cast<float>());

@@ -8,7 +8,7 @@
 namespace perch {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// What a regular polygon with n corners on the unit circle covers.
 double polygon_area(int n) {

@@ -12,7 +12,7 @@
 namespace perch {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr int around = 48;             // a chord of a 5 cm radius is then 0.1 mm off its circle
 constexpr double up_the_side = 0.012;  // metres between rings
 constexpr double edge = 0.003;         // metres of rounding where solids of household things have any

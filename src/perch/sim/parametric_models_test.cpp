@@ -12,7 +12,7 @@
 namespace perch {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// The volume that a profile sweeps, from the frustums between its corners.
 double swept_volume(const Profile& profile) {

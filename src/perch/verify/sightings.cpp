@@ -13,7 +13,7 @@
 namespace perch {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double infinite_depth = std::numeric_limits<double>::infinity();
 /// What single precision loses in a vertex's coordinates on its way from the model's frame to the camera's,
 /// of how far it is from the model's origin and that from the camera.
 constexpr double point_rounding = 3e-7;
@@ -65,7 +65,7 @@ class ObjectSight {
  private:
   void find_window() {
     constexpr double farthest = 1e6;  // metres; beyond it single precision has no use for pixels
-    Eigen::Array2d low = Eigen::Array2d::Constant(infinity), high = -low;
+    Eigen::Array2d low = Eigen::Array2d::Constant(infinite_depth), high = -low;
     bool crosses_near = false;
     for (const Eigen::Vector3d& p : vertices_) {
       if (!(p.cwiseAbs().maxCoeff() < farthest)) return;
@@ -204,7 +204,7 @@ class ObjectSight {
         const double angle = 2.0 * std::numbers::pi * (i + part) / directions;
         cast(part * radius * std::cos(angle), part * radius * std::sin(angle));
       }
-    if (may_miss) farthest = infinity;
+    if (may_miss) farthest = infinite_depth;
     for (const Brush& brush : brushes) {
       const DepthRange depth = depth_of(brush.triangle, u, v, radius);
       if (depth.near <= farthest) depths.push_back(depth);
