@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "perch/core/error.hpp"
@@ -114,6 +115,37 @@ TEST(Icp, LeavesTheYawOfASolidOfRevolution) {
   const Pose found = bench.refine(round_can(), {0.035, 0.0, 0.0}, true, observation, table, 0.03);
   EXPECT_EQ(found.yaw, 0.0);
   EXPECT_LT(std::hypot(found.x - truth.x, found.y - truth.y), 0.002);
+}
+
+// The share of the samples that find a point of I decides whether anything is moved, from where on is what
+// counting says.
+TEST(Icp, LeavesWhatTooFewSamplesFindAPointFor) {
+  Bench bench;
+  const DepthPatch seen = bench.render(wedge(), {0.0, 0.0, 0.0});
+  const Observation observation(bench.view, Bench::image_of({&seen}, bench.view.intrinsics), std::nullopt);
+  constexpr double reach = 0.02;
+  const NearestTable table(observation, reach, bench.executor);
+  int moved = 0, left = 0;
+  for (int step = 0; step <= 12; ++step) {
+    const Pose pose{0.012 * step, 0.0, 0.0};
+    std::vector<SurfaceSample> samples;
+    sample_patch(bench.render(wedge(), pose), nullptr, observation, bench.settings, samples);
+    const auto matched =
+        static_cast<double>(std::count_if(samples.begin(), samples.end(), [&](const SurfaceSample& sample) {
+          const Eigen::Vector3f* q = table.lookup(sample.point);
+          return q != nullptr && (sample.point - *q).norm() <= static_cast<float>(reach);
+        }));
+    for (const double least : {0.1, 0.3, 0.9}) {
+      SCOPED_TRACE(testing::Message() << "step " << step << ", least " << least);
+      bench.settings.least_matched = least;
+      const bool enough = matched > 0.0 && matched >= least * static_cast<double>(samples.size());
+      const Pose found = align(samples, pose, false, table, reach, bench.settings);
+      EXPECT_EQ(found == pose, !enough);
+      ++(enough ? moved : left);
+    }
+  }
+  EXPECT_GT(moved, 5);
+  EXPECT_GT(left, 5);
 }
 
 // What the observation shows to be hidden takes no part: a body half behind another is not pulled onto that
