@@ -16,7 +16,7 @@
 namespace perch {
 namespace {
 
-struct Case {
+struct TreeCase {
   std::uint64_t seed;
   bool noise;
   RefineMethod refine;
@@ -24,8 +24,8 @@ struct Case {
   bool repeats;
 };
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<TreeCase> tree_cases() {
+  std::vector<TreeCase> all;
   for (std::uint64_t seed = 1; seed <= 10; ++seed)
     all.push_back({seed, seed % 2 == 0, seed % 3 == 0 ? RefineMethod::none : RefineMethod::icp,
                    seed % 4 == 0 ? 2 : 3, seed % 5 == 0});
@@ -41,7 +41,7 @@ std::vector<Case> cases() {
 // fall.
 TEST(SceneTreeHeavy, EdgesAddUpToTheFlatCost) {
   int goals = 0;
-  for (const Case& c : cases()) {
+  for (const TreeCase& c : tree_cases()) {
     PERCH_TRACE(c);
     SmallProblem small(c.seed, c.noise, c.refine, c.objects, c.repeats);
     for (const bool strict : {true, false}) {
@@ -77,7 +77,7 @@ TEST(SceneTreeHeavy, EdgesAddUpToTheFlatCost) {
 
 // h of a state never exceeds what is left to the best goal below it, by enumeration of all goals.
 TEST(SceneTreeHeavy, BoundsHoldForEveryGoalBelow) {
-  for (const Case& c : cases()) {
+  for (const TreeCase& c : tree_cases()) {
     PERCH_TRACE(c);
     SmallProblem small(c.seed, c.noise, c.refine, 2, c.repeats);
     SceneTree tree = tree_of(small);
@@ -94,7 +94,7 @@ TEST(SceneTreeHeavy, BoundsHoldForEveryGoalBelow) {
 // the ones of a tree that refines every hypothesis at every parent.
 TEST(SceneTreeHeavy, LazyEdgesAreTheEagerOnes) {
   std::int64_t reused = 0, hypotheses = 0;
-  for (const Case& c : cases()) {
+  for (const TreeCase& c : tree_cases()) {
     PERCH_TRACE(c);
     SmallProblem small(c.seed, c.noise, c.refine, c.objects, c.repeats);
     CandidateSet lazy_set(small.problem->models().size()), eager_set(small.problem->models().size());
@@ -130,7 +130,7 @@ TEST(SceneTreeHeavy, LazyEdgesAreTheEagerOnes) {
 
 TEST(SceneTreeHeavy, FocalMhaFindsTheEnumeratedOptimum) {
   std::uint64_t expanded = 0, expanded_without = 0;
-  for (const Case& c : cases()) {
+  for (const TreeCase& c : tree_cases()) {
     PERCH_TRACE(c);
     SmallProblem small(c.seed, c.noise, c.refine, c.objects, c.repeats);
     SceneTree with_bound = tree_of(small);
@@ -164,7 +164,7 @@ TEST(SceneTreeHeavy, FocalMhaFindsTheEnumeratedOptimum) {
 }
 
 TEST(LagrangianBoundHeavy, HoldsForEveryCollisionFreeScene) {
-  for (const Case& c : cases()) {
+  for (const TreeCase& c : tree_cases()) {
     PERCH_TRACE(c);
     SmallProblem small(c.seed, c.noise, c.refine, c.objects, c.repeats);
     const auto scenes =
@@ -198,7 +198,7 @@ TEST(LagrangianBoundHeavy, HoldsForEveryCollisionFreeScene) {
 }
 
 TEST(FirstScenesHeavy, AreWhatTheySay) {
-  for (const Case& c : cases()) {
+  for (const TreeCase& c : tree_cases()) {
     PERCH_TRACE(c);
     SmallProblem small(c.seed, c.noise, c.refine, c.objects, c.repeats);
     std::int64_t last = 0;
