@@ -22,7 +22,7 @@ struct RefineSettings {
   int rounds = 2;               ///< times that the object is rendered again and aligned
   int iterations = 10;          ///< of one round, at most
   int samples = 400;            ///< rendered points used in a round, about
-  double least_matched = 0.3;   ///< share of the samples that must find a point of I, or nothing is moved
+  double least_matched = 0.1;   ///< share of the samples that must find a point of I, or nothing is moved
   double robust_scale = 0.003;  ///< residual at which a point's weight is halved, metres
   double occlusion = 0.02;  ///< a rendered point this far behind the observed one is taken as hidden, metres
 
