@@ -145,6 +145,7 @@ Expansion<SceneState> SceneTree::expand(const State& state, const StopCondition&
         made->patch = {};  // too many are made in context to keep their renderings
       },
       stop);
+  if (in_context_ && state.placed.empty()) hypotheses_ -= std::exchange(guided_at_root_, 0);
   if (in_context_)
     hypotheses_ += std::count_if(hypotheses.begin(), hypotheses.end(),
                                  [](const Hypothesis& hypothesis) { return hypothesis.grid >= 0; });
@@ -223,6 +224,7 @@ std::optional<SceneState> SceneTree::best_child(const State& state,
     child.id = hypothesis.id;
     if (hypothesis.grid >= 0) {
       ++hypotheses_;
+      if (state.placed.empty()) ++guided_at_root_;
       child.made = make_in_context(hypothesis, parent.composite.depth, maker);
       if (!child.made) continue;
     }

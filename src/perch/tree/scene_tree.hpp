@@ -67,7 +67,7 @@ class SceneTree {
   /// True if the tree holds a path to this scene: collision-free and monotone in some order.
   bool contains(const std::vector<CandidateId>& placed) const;
 
-  /// (model, grid pose, parent) triples valued by expansions in context; 0 over a fixed set, whose candidates
+  /// (model, grid pose, parent) triples valued in context, each once; 0 over a fixed set, whose candidates
   /// are valued once, when the set is made.
   std::int64_t hypotheses() const { return hypotheses_; }
   /// Of these, the ones that the parent did not change: taken from when they stood alone, without ICP.
@@ -135,6 +135,8 @@ class SceneTree {
   std::int64_t lower_bound_ = 0;
   std::size_t with_volumes_ = 0;  ///< candidates of the set whose volumes are filled in
   std::int64_t hypotheses_ = 0;
+  std::int64_t guided_at_root_ =
+      0;  ///< of these, valued for the priors: an expansion of the root has them too
   bool lazy_ = true;
   std::vector<std::vector<Lone>> lone_;  ///< in context, of each model and grid pose
   std::atomic<std::int64_t> reused_ = 0;
