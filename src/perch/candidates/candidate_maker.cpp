@@ -11,27 +11,13 @@ CandidateMaker::CandidateMaker(const LocalizationProblem& problem)
 void CandidateMaker::render(std::size_t model, const Pose& pose) {
   const ThreadStopwatch watch;
   problem_.render(model, pose, rasterizer_, patch_);
-  sparse_ = false;
-  seconds_.render += watch.seconds();
-}
-
-void CandidateMaker::render_samples(std::size_t model, const Pose& pose) {
-  const ThreadStopwatch watch;
-  sparse_ =
-      rasterizer_.render_samples(problem_.models()[model].mesh(), problem_.camera_from_model(model, pose),
-                                 problem_.settings().refine.samples, crosses_, patch_);
   seconds_.render += watch.seconds();
 }
 
 std::optional<Candidate> CandidateMaker::make(std::size_t model, const Pose& grid_pose,
                                               const DepthPatch* in_front) {
   seen_ = {};
-  if (problem_.nearest() == nullptr) return value(model, grid_pose);
-  render_samples(model, grid_pose);
-  if (!sparse_ && !patch_.any()) return std::nullopt;
-  const Pose pose = refine(model, grid_pose, in_front);
-  if (!patch_.any()) return std::nullopt;
-  return value_rendered(model, pose);
+  return value(model, problem_.nearest() == nullptr ? grid_pose : refine(model, grid_pose, in_front));
 }
 
 std::optional<Candidate> CandidateMaker::value(std::size_t model, const Pose& pose) {
@@ -40,58 +26,47 @@ std::optional<Candidate> CandidateMaker::value(std::size_t model, const Pose& po
   return value_rendered(model, pose);
 }
 
-void CandidateMaker::note_seen() {
-  seen_.window = bounding(seen_.window, sparse_ ? crosses_.window : patch_.window);
-  for (const float z : sparse_ ? crosses_.depth : patch_.depth)
-    if (z < no_surface) seen_.farthest = std::max(seen_.farthest, z);
-}
-
 std::optional<Placing> CandidateMaker::place(const Composite& others, std::size_t model, const Pose& pose,
                                              bool align) {
-  render(model, pose);
-  if (patch_.covered() == 0) return std::nullopt;
-  Placing placing{pose, {}};
-  if (align && problem_.nearest() != nullptr) {
-    placing.pose = refine(model, pose, &others.depth);
-    if (patch_.covered() == 0) return std::nullopt;
-  }
+  const bool refines = problem_.nearest() != nullptr;
+  Placing placing{align && refines ? refine(model, pose, &others.depth) : pose, {}};
+  render(model, placing.pose);
+  if (!patch_.any()) return std::nullopt;
   const ThreadStopwatch watch;
   placing.counts = problem_.cost().counts_with(others, patch_, change_);
-  if (problem_.nearest() != nullptr) {
-    sample_patch(patch_, &others.depth, problem_.observation(), problem_.settings().refine, samples_);
+  if (refines) {
+    sample(model, placing.pose, &others.depth);
     placing.residual = mean_residual(samples_, *problem_.nearest(), problem_.settings().cost.delta);
   }
   seconds_.cost += watch.seconds();
   return placing;
 }
 
+void CandidateMaker::sample(std::size_t model, const Pose& pose, const DepthPatch* in_front) {
+  const Observation& observation = problem_.observation();
+  const SurfaceViews::View view =
+      problem_.views(model).from(observation.camera().world_from_camera.translation(), pose);
+  visible_samples(view.samples, {pose.x, pose.y, view.yaw}, problem_.models()[model].origin_z(), in_front,
+                  observation, problem_.settings().refine.occlusion, samples_, seen_);
+}
+
 Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front) {
+  const ThreadStopwatch watch;
   const CandidateSettings& settings = problem_.settings();
   const Workspace& workspace = problem_.workspace(model);
   const Symmetry& symmetry = problem_.models()[model].symmetry();
   Pose pose = grid_pose;
   for (int round = 0; round < settings.refine.rounds; ++round) {
-    const ThreadStopwatch watch;
-    if (in_front != nullptr) note_seen();
-    if (sparse_)
-      sample_crosses(crosses_, in_front, problem_.observation(), settings.refine, samples_);
-    else
-      sample_patch(patch_, in_front, problem_.observation(), settings.refine, samples_);
+    sample(model, pose, in_front);
     Pose moved = align(samples_, pose, symmetry.is_continuous(), *problem_.nearest(), settings.icp_reach(),
                        settings.refine);
     moved.x = std::clamp(moved.x, workspace.x_min, workspace.x_max);
     moved.y = std::clamp(moved.y, workspace.y_min, workspace.y_max);
     moved.yaw = symmetry.canonical_yaw(moved.yaw);
-    seconds_.refine += watch.seconds();
     if (moved == pose) break;
     pose = moved;
-    const bool last = round + 1 == settings.refine.rounds;
-    if (last)
-      render(model, pose);
-    else
-      render_samples(model, pose);
   }
-  if (sparse_) render(model, pose);
+  seconds_.refine += watch.seconds();
   return pose;
 }
 

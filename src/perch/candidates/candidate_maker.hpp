@@ -6,6 +6,7 @@
 #include "perch/candidates/candidate.hpp"
 #include "perch/candidates/problem.hpp"
 #include "perch/cost/lone_cost.hpp"
+#include "perch/refine/visible_samples.hpp"
 #include "perch/render/rasterizer.hpp"
 
 namespace perch {
@@ -40,13 +41,8 @@ class CandidateMaker {
   /// part of it; then valued alone. Empty where no pixel of the object is in view.
   std::optional<Candidate> make(std::size_t model, const Pose& grid_pose,
                                 const DepthPatch* in_front = nullptr);
-  /// Where the last make() looked at its object, to refine and value it: a scene with no surface there nearer
-  /// than `farthest` changes nothing.
-  struct Seen {
-    Window window;
-    float farthest = 0.0F;
-  };
-  const Seen& seen() const { return seen_; }
+  /// Where the last make() looked at its parent scene.
+  const Sight& seen() const { return seen_; }
   /// Values an object at a pose as it is; empty where no pixel is in view.
   std::optional<Candidate> value(std::size_t model, const Pose& pose);
   /// J's counts with an object added to a composite at a pose as it is or, where `align`, as ICP makes it
@@ -62,23 +58,19 @@ class CandidateMaker {
 
  private:
   void render(std::size_t model, const Pose& pose);
-  /// Renders what ICP samples.
-  void render_samples(std::size_t model, const Pose& pose);
-  void note_seen();
-  /// \return the pose, whose whole rendering is in patch_.
+  /// Writes what of an object ICP can make use of into samples_.
+  void sample(std::size_t model, const Pose& pose, const DepthPatch* in_front);
   Pose refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front);
   Candidate value_rendered(std::size_t model, const Pose& pose);
 
   const LocalizationProblem& problem_;
   Rasterizer rasterizer_;
   DepthPatch patch_;
-  DepthCrosses crosses_;
-  bool sparse_ = false;  ///< the last rendering is in crosses_, not in patch_
   CostChange change_;
   LoneCost lone_cost_;
   LoneValue lone_value_;
-  std::vector<SurfaceSample> samples_;
-  Seen seen_;
+  SurfaceSamples samples_;
+  Sight seen_;
   StageSeconds seconds_;
 };
 

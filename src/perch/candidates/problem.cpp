@@ -60,8 +60,16 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
                     poses < 1e15 ? fmt::format("{:.0f}", poses) : fmt::format("{:.3g}", poses),
                     settings_.grid.max_poses, settings_.grid.resolution));
 
-  if (settings_.refine.method == RefineMethod::icp)
+  if (settings_.refine.method == RefineMethod::icp) {
     nearest_.emplace(observation_, settings_.icp_reach(), executor, stop);
+    const Eigen::Vector3d eye = observation_.camera().world_from_camera.translation();
+    for (std::size_t m = 0; m < models_.size(); ++m) {
+      const Workspace& w = workspaces_[m];
+      const Eigen::Vector3d middle(0.5 * (w.x_min + w.x_max), 0.5 * (w.y_min + w.y_max),
+                                   models_[m].origin_z() + 0.5 * models_[m].height());
+      views_.emplace_back(models_[m], (eye - middle).norm(), settings_.refine.samples);
+    }
+  }
 
   float sample_radius = 0.0F;
   for (const ObjectModel& model : models_)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "perch/observation/nearest_table.hpp"
 #include "perch/parallel/executor.hpp"
 #include "perch/refine/icp.hpp"
+#include "perch/refine/surface_views.hpp"
 #include "perch/render/rasterizer.hpp"
 
 namespace perch {
@@ -53,6 +55,8 @@ class LocalizationProblem {
   /// Empty where nothing is refined.
   const NearestTable* nearest() const { return nearest_ ? &*nearest_ : nullptr; }
   const std::vector<ObjectModel>& models() const { return models_; }
+  /// What each model shows of its surface, for ICP; only where something is refined.
+  const SurfaceViews& views(std::size_t model) const { return views_[model]; }
   const std::vector<std::size_t>& objects() const { return objects_; }
   /// K, the number of objects.
   std::size_t object_count() const { return objects_.size(); }
@@ -83,6 +87,7 @@ class LocalizationProblem {
   ExplanationCost cost_;
   std::optional<NearestTable> nearest_;
   std::vector<ObjectModel> models_;
+  std::deque<SurfaceViews> views_;
   std::vector<std::size_t> objects_;
   std::vector<int> copies_;
   std::vector<char> optional_;

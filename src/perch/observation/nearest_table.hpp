@@ -21,6 +21,20 @@ class NearestTable {
   /// The point of I (world frame), or nullptr where none lies within about reach.
   const Eigen::Vector3f* lookup(const Eigen::Vector3f& world) const;
 
+  /// The table itself, for loops that look up several at a time. Cell (i, j, k) reaches from origin + cell
+  /// (i, j, k) on and has the number (k size_y + j) size_x + i.
+  struct Cells {
+    float cell, origin_x, origin_y, origin_z;
+    int size_x, size_y, size_z;
+    const std::int32_t* nearest;  ///< number of each cell's point, -1 = none
+    const float* points;          ///< x, y, z of each point
+  };
+  Cells cells() const {
+    static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float));
+    return {cell_,     origin_.x(), origin_.y(),     origin_.z(),           size_.x(),
+            size_.y(), size_.z(),   nearest_.data(), points_.front().data()};
+  }
+
  private:
   std::size_t index(int i, int j, int k) const {
     return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size_.y()) + static_cast<std::size_t>(j)) *

@@ -1,9 +1,16 @@
 #include "perch/render/pixel_cells.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 
 namespace perch {
 namespace {
+
+static_assert(PixelCells::cell_width * PixelCells::cell_height == lane_count);
+
+/// Where the pixels of a cell lie from its place.
+constexpr std::array<int, lane_count> right{0, 1, 2, 3, 0, 1, 2, 3}, down{0, 0, 0, 0, 1, 1, 1, 1};
 
 void fill_axis(const std::array<int, lane_count>& offsets, int cells, int origin, int step,
                const std::vector<float>& rays, std::vector<float>& place, std::vector<float>& slope) {
@@ -22,17 +29,13 @@ void fill_axis(const std::array<int, lane_count>& offsets, int cells, int origin
 
 }  // namespace
 
-void PixelCells::lay_out(const Shape& of, int cell_columns, int cell_rows, int at_u, int at_v, int apart_u,
-                         int apart_v, const std::vector<float>& ray_x, const std::vector<float>& ray_y) {
-  shape = of;
-  columns = cell_columns;
-  rows = cell_rows;
-  origin_u = at_u;
-  origin_v = at_v;
-  step_u = apart_u;
-  step_v = apart_v;
-  fill_axis(of.u, columns, origin_u, step_u, ray_x, u, slope_x);
-  fill_axis(of.v, rows, origin_v, step_v, ray_y, v, slope_y);
+void PixelCells::lay_out(const Window& over, const std::vector<float>& ray_x,
+                         const std::vector<float>& ray_y) {
+  window = over;
+  columns = (window.width() + cell_width - 1) / cell_width;
+  rows = (window.height() + cell_height - 1) / cell_height;
+  fill_axis(right, columns, window.u0, cell_width, ray_x, u, slope_x);
+  fill_axis(down, rows, window.v0, cell_height, ray_y, v, slope_y);
   inverse_depth.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows) * lane_count, 0.0F);
 }
 

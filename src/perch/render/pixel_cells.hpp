@@ -1,45 +1,27 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
-#include "perch/core/camera.hpp"
+#include "perch/core/image.hpp"
 #include "perch/core/instruction_set.hpp"
 
 namespace perch {
 
-/// The pixels that a rendering is made of, in cells of lane_count pixels that are drawn together. Cell (i, j)
-/// lies at column origin_u + i step_u and row origin_v + j step_v; all cells have the same shape.
+/// The pixels that a rendering is made of, in cells of lane_count pixels that are drawn together: 4 columns
+/// of 2 rows. Cell (i, j) lies at column window.u0 + 4 i and row window.v0 + 2 j; the last ones may reach
+/// beyond the window.
 struct PixelCells {
-  /// Where the pixels of a cell lie from its place.
-  struct Shape {
-    std::array<int, lane_count> u, v;
-    int low_u, high_u, low_v, high_v;  ///< bounds of u and v
-  };
-  static constexpr Shape tile{{0, 1, 2, 3, 0, 1, 2, 3}, {0, 0, 0, 0, 1, 1, 1, 1}, 0, 3, 0, 1};
-  /// A pixel, its left, right, upper and lower neighbour; the rest repeats the pixel.
-  static constexpr Shape cross{{0, -1, 1, 0, 0, 0, 0, 0}, {0, 0, 0, -1, 1, 0, 0, 0}, -1, 1, -1, 1};
+  static constexpr int cell_width = 4, cell_height = 2;  ///< pixels
 
-  /// Lays out empty cells. Ray slopes are those of the nearest pixel in the image where a cell reaches beyond
-  /// it.
-  void lay_out(const Shape& of, int cell_columns, int cell_rows, int at_u, int at_v, int apart_u, int apart_v,
-               const std::vector<float>& ray_x, const std::vector<float>& ray_y);
-  float* cell(int column, int row) { return inverse_depth.data() + offset(column, row); }
-  const float* cell(int column, int row) const { return inverse_depth.data() + offset(column, row); }
+  /// Lays out empty cells over a window. Ray slopes are those of the nearest pixel in the image where a cell
+  /// reaches beyond it.
+  void lay_out(const Window& over, const std::vector<float>& ray_x, const std::vector<float>& ray_y);
 
-  Shape shape = tile;
+  Window window;
   int columns = 0, rows = 0;
-  int origin_u = 0, origin_v = 0, step_u = 1, step_v = 1;
   std::vector<float> u, slope_x;     ///< lanes of each column: pixel column, slope of its ray
   std::vector<float> v, slope_y;     ///< lanes of each row
   std::vector<float> inverse_depth;  ///< lanes of each cell, row-major: 1/z of the nearest surface, 0 = none
-
- private:
-  std::size_t offset(int column, int row) const {
-    return (static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-            static_cast<std::size_t>(column)) *
-           lane_count;
-  }
 };
 
 }  // namespace perch

@@ -59,36 +59,11 @@ void Rasterizer::draw(const Window& window, DepthPatch& patch) {
     return;
   }
   patch.window = window;
-  cells_.lay_out(PixelCells::tile, (window.width() + 3) / 4, (window.height() + 1) / 2, window.u0, window.v0,
-                 4, 2, ray_x_, ray_y_);
-  draw_triangles(vertices_, *triangles_, window, cells_);
+  cells_.lay_out(window, ray_x_, ray_y_);
+  draw_triangles(vertices_, *triangles_, cells_);
   patch.depth.resize(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()));
   PERCH_CALL(unpack, cells_.inverse_depth.data(), cells_.rows, window.width(), window.height(),
              patch.depth.data());
-}
-
-bool Rasterizer::render_samples(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, int samples,
-                                DepthCrosses& crosses, DepthPatch& patch) {
-  constexpr int least_stride = 4;  // a cross takes as long as a tile, which has eight pixels
-  const Window window = project_mesh(mesh, camera_from_model);
-  const int stride = sample_stride(window, samples);
-  if (window.empty() || stride < least_stride) {
-    draw(window, patch);
-    return false;
-  }
-  const auto count = [&](int size) { return std::max(0, (size - 2 + stride - 1) / stride); };
-  crosses.window = window;
-  crosses.stride = stride;
-  crosses.columns = count(window.width());
-  crosses.rows = count(window.height());
-  cells_.lay_out(PixelCells::cross, crosses.columns, crosses.rows, window.u0 + 1, window.v0 + 1, stride,
-                 stride, ray_x_, ray_y_);
-  if (!cells_.inverse_depth.empty()) draw_triangles(vertices_, *triangles_, window, cells_);
-  crosses.depth.resize(cells_.inverse_depth.size());
-  if (PERCH_CALL(invert, cells_.inverse_depth.data(), crosses.depth.size(), crosses.depth.data()))
-    return true;
-  draw(window, patch);  // nothing there: the whole says whether anything is in view
-  return false;
 }
 
 void Rasterizer::clip(const Mesh& mesh) {

@@ -5,7 +5,6 @@
 
 #include "perch/core/camera.hpp"
 #include "perch/model/mesh.hpp"
-#include "perch/render/depth_crosses.hpp"
 #include "perch/render/depth_patch.hpp"
 #include "perch/render/pixel_cells.hpp"
 #include "perch/render/projection.hpp"
@@ -27,12 +26,6 @@ class Rasterizer {
   /// to the image; empty where nothing is in view.
   void render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, DepthPatch& patch);
   DepthPatch render(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model);
-
-  /// Renders what sampling with sample_stride(window, samples) reads. Where that is much less than all, only
-  /// these pixels are drawn, into `crosses`, to the same depths, and true is returned; else all of it is,
-  /// into `patch`.
-  bool render_samples(const Mesh& mesh, const Eigen::Isometry3d& camera_from_model, int samples,
-                      DepthCrosses& crosses, DepthPatch& patch);
 
   const Intrinsics& intrinsics() const { return intrinsics_; }
 

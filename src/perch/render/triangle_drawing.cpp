@@ -12,10 +12,8 @@ namespace {
 struct Frame {
   const ProjectedVertex* vertices;
   const Triangle* triangles;
-  float left, right, top, bottom;  ///< of the window, inclusive
-  float origin_u, origin_v, step_u, step_v;
-  float low_u, high_u, low_v, high_v;
-  int columns, rows;
+  float left, right, top, bottom;          ///< of the window, inclusive
+  int columns;                             ///< of cells
   const float *u, *slope_x, *v, *slope_y;  ///< lanes of the columns and rows of cells
   float* cells;                            ///< lanes of the cells
 };
@@ -29,29 +27,13 @@ struct Frame {
 namespace perch {
 
 void draw_triangles(const std::vector<ProjectedVertex>& vertices, const std::vector<Triangle>& triangles,
-                    const Window& window, PixelCells& cells) {
+                    PixelCells& cells) {
+  const Window& window = cells.window;
   const auto number = [](int i) { return static_cast<float>(i); };
-  const Frame frame{vertices.data(),
-                    triangles.data(),
-                    number(window.u0),
-                    number(window.u1 - 1),
-                    number(window.v0),
-                    number(window.v1 - 1),
-                    number(cells.origin_u),
-                    number(cells.origin_v),
-                    number(cells.step_u),
-                    number(cells.step_v),
-                    number(cells.shape.low_u),
-                    number(cells.shape.high_u),
-                    number(cells.shape.low_v),
-                    number(cells.shape.high_v),
-                    cells.columns,
-                    cells.rows,
-                    cells.u.data(),
-                    cells.slope_x.data(),
-                    cells.v.data(),
-                    cells.slope_y.data(),
-                    cells.inverse_depth.data()};
+  const Frame frame{vertices.data(),       triangles.data(),     number(window.u0),
+                    number(window.u1 - 1), number(window.v0),    number(window.v1 - 1),
+                    cells.columns,         cells.u.data(),       cells.slope_x.data(),
+                    cells.v.data(),        cells.slope_y.data(), cells.inverse_depth.data()};
   PERCH_CALL(draw_all, frame, static_cast<std::uint32_t>(triangles.size()));
 }
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "perch/core/image.hpp"
 #include "perch/render/pixel_cells.hpp"
 #include "perch/render/projection.hpp"
 
@@ -13,8 +12,8 @@ namespace perch {
 using Triangle = std::array<std::uint32_t, 3>;
 
 /// Draws triangles into cells of pixels: exactly at pixel centres, edges included, the nearest surface wins.
-/// \param vertices all at or beyond the near plane. \param window pixels outside it are left alone.
+/// Pixels of the cells outside their window are left alone. \param vertices all at or beyond the near plane.
 void draw_triangles(const std::vector<ProjectedVertex>& vertices, const std::vector<Triangle>& triangles,
-                    const Window& window, PixelCells& cells);
+                    PixelCells& cells);
 
 }  // namespace perch

@@ -248,7 +248,7 @@ std::optional<Candidate> SceneTree::make_in_context(const Hypothesis& hypothesis
                                                     CandidateMaker& maker) {
   const Pose grid_pose = problem_.grid(hypothesis.model).pose(hypothesis.grid);
   Lone& lone = lone_[hypothesis.model][static_cast<std::size_t>(hypothesis.grid)];
-  const auto changed_by = [&](const CandidateMaker::Seen& seen) {
+  const auto changed_by = [&](const Sight& seen) {
     const Window common = intersection(seen.window, in_front.window);
     for (int v = common.v0; v < common.v1; ++v)
       for (int u = common.u0; u < common.u1; ++u)

@@ -80,7 +80,7 @@ class SceneTree {
   /// A hypothesis of the tree in context as it is without a parent scene.
   struct Lone {
     std::optional<Candidate> candidate;
-    CandidateMaker::Seen seen;
+    Sight seen;
     bool made = false;
   };
   /// What all children of a state share.
