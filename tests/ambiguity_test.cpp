@@ -19,8 +19,9 @@ constexpr double degree = std::numbers::pi / 180.0;
 /// Judges a scene as the program does after its search.
 JudgedScene judged(FinishProblem& p, const ArrangedScene& scene, const AmbiguitySettings& settings = {},
                    const PolishSettings& polish_settings = {}) {
-  if (p.set.size() == 0) p.make_candidates();
-  return judge(*p.problem, p.set, p.makers, p.executor, scene, settings, polish_settings, StopCondition());
+  if (!p.candidates) p.make_candidates();
+  return judge(*p.problem, *p.candidates, p.makers, p.executor, scene, settings, polish_settings,
+               StopCondition());
 }
 
 /// J of a scene with one object moved, by a count of its own; empty where it would collide or lie outside.
@@ -52,11 +53,19 @@ TEST(AmbiguityHeavy, RunnerUpIsThatOfBruteForce) {
     if (seed == 5) options.models = {"can", "mug"};  // copies
     FinishProblem p(random_tabletop(seed, options).scene);
     const ArrangedScene truth = p.truth();
+    // With every third candidate valued, then with all.
+    p.refine_candidates();
+    std::vector<std::size_t> third;
+    for (std::size_t i = 0; i < p.candidates->open().size(); i += 3) third.push_back(i);
+    p.candidates->value(third, StopCondition());
+    const JudgedScene open = judged(p, truth, settings, no_exchange);
+    ASSERT_EQ(open.objects.size(), 3U);
+    p.candidates->value_all(StopCondition());
     const JudgedScene result = judged(p, truth, settings, no_exchange);
     ASSERT_TRUE(same(result.scene, truth));
     ASSERT_EQ(result.objects.size(), 3U);
     // A set of which the search has dropped most: all of it still counts.
-    p.set.restrict_to(std::vector<char>(p.set.size(), 0));
+    p.set().restrict_to(std::vector<char>(p.set().size(), 0));
     const JudgedScene restricted = judged(p, truth, settings, no_exchange);
     for (std::size_t place = 0; place < 3; ++place) {
       SCOPED_TRACE(testing::Message() << "object " << place);
@@ -69,8 +78,8 @@ TEST(AmbiguityHeavy, RunnerUpIsThatOfBruteForce) {
         if (cost && (!least || *cost < *least)) least = cost;
         if (cost && in_set && (!least_in_set || *cost < *least_in_set)) least_in_set = cost;
       };
-      for (CandidateId id = 0; id < p.set.size(); ++id)
-        if (p.set[id].model == object.model) try_pose(p.set[id].pose, true);
+      for (CandidateId id = 0; id < p.set().size(); ++id)
+        if (p.set()[id].model == object.model) try_pose(p.set()[id].pose, true);
       const double shift = settings.distance * (1 + 1e-6), turn = settings.yaw * (1 + 1e-6);
       for (int k = 0; k < 8; ++k)
         try_pose({object.pose.x + shift * std::cos(k * 45 * degree),
@@ -84,6 +93,7 @@ TEST(AmbiguityHeavy, RunnerUpIsThatOfBruteForce) {
       EXPECT_TRUE(elsewhere(symmetry, runner_up->pose, object.pose, settings));
       EXPECT_EQ(cost_with(p, truth.placed, place, runner_up->pose), *least);
       EXPECT_EQ(restricted.objects[place].runner_up->cost_increase, runner_up->cost_increase);
+      EXPECT_EQ(open.objects[place].runner_up->cost_increase, runner_up->cost_increase);
       from_set += *least_in_set == *least;
       std::vector<PlacedModel> others = truth.placed;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(place));
@@ -171,12 +181,12 @@ TEST(Ambiguity, AnObjectThatIsNotThereIsUnsure) {
   ArrangedScene best;
   std::vector<PlacedModel> placed = p.truth().placed;
   placed.push_back({2, {}});
-  for (CandidateId id = 0; id < p.set.size(); ++id) {
-    if (p.set[id].model != 2) continue;
-    const auto cost = cost_with(p, placed, 2, p.set[id].pose);
+  for (CandidateId id = 0; id < p.set().size(); ++id) {
+    if (p.set()[id].model != 2) continue;
+    const auto cost = cost_with(p, placed, 2, p.set()[id].pose);
     if (!cost || (!best.placed.empty() && *cost >= best.cost)) continue;
     best = {placed, *cost};
-    best.placed[2].pose = p.set[id].pose;
+    best.placed[2].pose = p.set()[id].pose;
   }
   ASSERT_FALSE(best.placed.empty());
   const JudgedScene result = judged(p, best);
@@ -234,7 +244,7 @@ TEST(Ambiguity, IsTheSameOnAnyNumberOfThreads) {
     const auto executor = make_executor(threads);
     auto makers = make_makers(*p.problem, *executor);
     const JudgedScene many =
-        judge(*p.problem, p.set, makers, *executor, p.truth(), {}, PolishSettings(), StopCondition());
+        judge(*p.problem, *p.candidates, makers, *executor, p.truth(), {}, PolishSettings(), StopCondition());
     EXPECT_TRUE(same(one.scene, many.scene));
     ASSERT_EQ(one.objects.size(), many.objects.size());
     for (std::size_t i = 0; i < one.objects.size(); ++i) {
@@ -255,7 +265,7 @@ TEST(Ambiguity, StopsAtOnce) {
     StopCondition stop;
     const CancellingExecutor executor(stop, bodies);
     const JudgedScene result =
-        judge(*p.problem, p.set, p.makers, executor, truth, {}, PolishSettings(), stop);
+        judge(*p.problem, *p.candidates, p.makers, executor, truth, {}, PolishSettings(), stop);
     EXPECT_LE(executor.after(), 1);
     EXPECT_LE(result.scene.cost, truth.cost);
     p.expect_valid(result.scene);

@@ -3,9 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "perch/candidates/candidate_set.hpp"
+#include "perch/candidates/fixed_candidates.hpp"
 #include "perch/localize/object_trials.hpp"
 #include "perch/localize/setup.hpp"
 #include "perch/observation/delta_index.hpp"
@@ -22,7 +23,7 @@ struct FinishProblem {
   SerialExecutor executor;
   std::unique_ptr<LocalizationProblem> problem;
   std::vector<CandidateMaker> makers;
-  CandidateSet set{0};
+  std::optional<FixedCandidates> candidates;
 
   explicit FinishProblem(Scene simulated) : scene(std::move(simulated)) {
     settings.candidates.grid.resolution = 0.08;
@@ -30,8 +31,19 @@ struct FinishProblem {
     problem = make_problem(scene, settings, executor);
     makers = make_makers(*problem, executor);
   }
+  FinishProblem(const FinishProblem&) = delete;  // the candidates refer to the others
+  FinishProblem& operator=(const FinishProblem&) = delete;
 
-  void make_candidates() { set = make_fixed_candidates(*problem, makers, executor, StopCondition()).set; }
+  void refine_candidates() {
+    candidates.emplace(*problem, makers, executor);
+    candidates->refine(StopCondition());
+  }
+  /// Valued, all of them.
+  void make_candidates() {
+    refine_candidates();
+    candidates->value_all(StopCondition());
+  }
+  CandidateSet& set() { return candidates->set(); }
 
   /// J by its definition: every point of I against every rendered point.
   std::int64_t brute_force_cost(const std::vector<PlacedModel>& placed) const {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cancelling_executor.hpp"
+#include "perch/core/instruction_set.hpp"
 #include "perch/io/result_json.hpp"
 #include "perch/sim/parametric_models.hpp"
 #include "perch/sim/scene_generator.hpp"
@@ -124,6 +125,28 @@ TEST(LocalizeHeavy, IsTheSameOnAnyNumberOfThreads) {
       EXPECT_EQ(json, *first) << threads << " threads";
     }
   }
+}
+
+// The kernels of all stages, and candidates that are valued only where they could matter.
+TEST(LocalizeHeavy, IsTheSameOnEveryInstructionSet) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const Scene scene = small_tabletop(seed, seed % 2 == 0, 3, seed == 1, seed == 2).scene;
+    Settings settings = small_settings(RefineMethod::icp);
+    settings.w = seed == 1 ? 1.0 : 1.5;
+    settings.ambiguity = {};
+    std::optional<nlohmann::json> first;
+    for (const auto& [set, threads] :
+         {std::pair(InstructionSet::baseline, 1), std::pair(InstructionSet::x86_64_v3, 4),
+          std::pair(InstructionSet::x86_64_v4, 1)}) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", instruction set " << static_cast<int>(set));
+      use_instruction_set(set);
+      const auto executor = make_executor(static_cast<std::size_t>(threads));
+      const auto json = without_timings(localize(scene, settings, *executor, StopCondition()));
+      if (!first) first = json;
+      EXPECT_EQ(json, *first);
+    }
+  }
+  use_instruction_set(InstructionSet::x86_64_v4);
 }
 
 TEST(Localize, ContextFindsAScene) {

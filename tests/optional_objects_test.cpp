@@ -121,18 +121,19 @@ SearchOutcome search_by(const Way& way, double w, SmallProblem& small) {
     return outcome;
   }
   if (way.mode == CandidateMode::context) {
-    CandidateSet made(small.problem->models().size());
+    FixedCandidates made(*small.problem, small.makers, small.executor);
     std::int64_t hypotheses = 0;
     SearchOutcome outcome = search_in_context(*small.problem, made, small.makers, {}, settings,
                                               small.executor, stop, log, hypotheses);
     if (!outcome.scenes.empty()) {
-      EXPECT_EQ(outcome.scenes.front().cost,
-                scene_cost(*small.problem, made, outcome.scenes.front().candidates, small.makers.front()));
+      EXPECT_EQ(
+          outcome.scenes.front().cost,
+          scene_cost(*small.problem, made.set(), outcome.scenes.front().candidates, small.makers.front()));
     }
     return outcome;
   }
-  CandidateSet set = small.set;  // the search cuts its lists
-  return search_fixed(*small.problem, set, small.makers, {}, settings, small.executor, stop, log);
+  FixedCandidates candidates = *small.refined;
+  return search_fixed(*small.problem, candidates, small.makers, {}, settings, small.executor, stop, log);
 }
 
 TEST(OptionalObjectsHeavy, EverySearchFindsTheEnumeratedOptimum) {

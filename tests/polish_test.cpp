@@ -9,8 +9,8 @@
 
 #include "cancelling_executor.hpp"
 #include "finish_test_support.hpp"
+#include "perch/candidates/candidate_floor.hpp"
 #include "perch/core/random.hpp"
-#include "perch/localize/candidate_floor.hpp"
 #include "perch/localize/pose_descent.hpp"
 
 namespace perch {
@@ -297,18 +297,18 @@ TEST(CandidateFloor, IsNeverAboveTheCost) {
       Composite others = p.problem->cost().empty();
       CandidateMaker& maker = p.makers.front();
       for (int i = 0; i < round; ++i) {
-        const auto id = static_cast<CandidateId>(random.below(p.set.size()));
-        p.problem->cost().add(others, maker.patch(p.set[id]), maker.scratch());
+        const auto id = static_cast<CandidateId>(random.below(p.set().size()));
+        p.problem->cost().add(others, maker.patch(p.set()[id]), maker.scratch());
       }
       const CandidateFloor floor_of(p.problem->cost(), others);
       const std::int64_t without = p.problem->cost().counts(others).total();
-      for (CandidateId id = 0; id < p.set.size(); id += 7) {
+      for (CandidateId id = 0; id < p.set().size(); id += 7) {
         const std::int64_t cost =
-            p.problem->cost().counts_with(others, maker.patch(p.set[id]), maker.scratch()).total();
-        const std::int64_t floor = floor_of(p.set[id]);
+            p.problem->cost().counts_with(others, maker.patch(p.set()[id]), maker.scratch()).total();
+        const std::int64_t floor = floor_of(p.set()[id]);
         EXPECT_LE(floor, cost) << id;
         ++counted;
-        useful += floor > without - p.set[id].points;
+        useful += floor > without - p.set()[id].points;
       }
     }
   }

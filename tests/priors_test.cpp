@@ -95,9 +95,9 @@ TEST(PriorsHeavy, NeverChangeTheGuarantee) {
           settings.method = method;
           const std::function<void(const Progress&)> nobody;
           ProgressLog log(nobody);
-          CandidateSet set = small.set;  // the search cuts its lists
-          const SearchOutcome found = search_fixed(*small.problem, set, small.makers, priors.priors, settings,
-                                                   small.executor, StopCondition(), log);
+          FixedCandidates candidates = *small.refined;
+          const SearchOutcome found = search_fixed(*small.problem, candidates, small.makers, priors.priors,
+                                                   settings, small.executor, StopCondition(), log);
           check(method == SearchMethod::branch_and_bound ? expected.best : expected.best_in_tree,
                 found.scenes.empty() ? std::nullopt : std::optional(found.scenes.front().cost),
                 found.lower_bound);

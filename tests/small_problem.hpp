@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "perch/candidates/candidate_set.hpp"
 #include "perch/candidates/first_scenes.hpp"
+#include "perch/candidates/fixed_candidates.hpp"
+#include "perch/core/random.hpp"
 #include "perch/localize/setup.hpp"
 #include "perch/sim/scene_generator.hpp"
 #include "perch/tree/scene_tree.hpp"
@@ -27,6 +29,12 @@ inline SimulatedScene small_tabletop(std::uint64_t seed, bool noise, int objects
   SimulatedScene simulated = random_tabletop(seed, options);
   simulated.scene.objects.back().optional = optional;
   return simulated;
+}
+
+/// A mask that leaves out a few pixels; those without a reading are unknown then.
+inline void add_mask(Scene& scene, Random& random) {
+  scene.mask = Image<std::uint8_t>(scene.depth.width(), scene.depth.height());
+  for (std::size_t i = 0; i < scene.depth.size(); ++i) (*scene.mask)[i] = random.below(20) > 0;
 }
 
 /// A grid of few poses.
@@ -50,7 +58,8 @@ struct SmallProblem {
   SerialExecutor executor;
   std::unique_ptr<LocalizationProblem> problem;
   std::vector<CandidateMaker> makers;
-  CandidateSet set{0};
+  std::optional<FixedCandidates> refined;  ///< all hypotheses, none valued; copies of it can be
+  CandidateSet set{0};                     ///< all of them valued
 
   SmallProblem(std::uint64_t seed, bool noise, RefineMethod refine, int objects = 3, bool repeats = false,
                bool optional = false)
@@ -58,13 +67,19 @@ struct SmallProblem {
   SmallProblem(SimulatedScene scene, const Settings& with) : simulated(std::move(scene)), settings(with) {
     problem = make_problem(simulated.scene, settings, executor);
     makers = make_makers(*problem, executor);
-    set = make_fixed_candidates(*problem, makers, executor, StopCondition()).set;
+    refined.emplace(*problem, makers, executor);
+    refined->refine(StopCondition());
+    FixedCandidates all = *refined;
+    all.value_all(StopCondition());
+    set = std::move(all.set());
     // Enumeration asks for each rendering very often, also for those that explain nothing.
     for (CandidateId id = 0; id < set.size(); ++id) {
       const DepthPatch patch = makers.front().patch(set[id]);
       set[id].patch = patch;
     }
   }
+  SmallProblem(const SmallProblem&) = delete;  // what is refined refers to the others
+  SmallProblem& operator=(const SmallProblem&) = delete;
 
   std::int64_t flat_cost(const std::vector<CandidateId>& placed) {
     Composite composite = problem->cost().empty();

@@ -50,6 +50,15 @@ void CandidateMaker::sample(std::size_t model, const Pose& pose, const DepthPatc
                   observation, problem_.settings().refine.occlusion, samples_, seen_);
 }
 
+float CandidateMaker::misfit(std::size_t model, const Pose& pose) {
+  if (problem_.nearest() == nullptr) return 0.0F;
+  const ThreadStopwatch watch;
+  sample(model, pose, nullptr);
+  const double misfit = mean_residual(samples_, *problem_.nearest(), problem_.settings().cost.delta);
+  seconds_.refine += watch.seconds();
+  return static_cast<float>(misfit);
+}
+
 Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front) {
   const ThreadStopwatch watch;
   const CandidateSettings& settings = problem_.settings();

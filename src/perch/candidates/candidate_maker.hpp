@@ -37,6 +37,12 @@ class CandidateMaker {
  public:
   explicit CandidateMaker(const LocalizationProblem& problem);
 
+  /// The grid pose refined (if at all), nothing in front.
+  Pose refined(std::size_t model, const Pose& grid_pose) {
+    return problem_.nearest() == nullptr ? grid_pose : refine(model, grid_pose, nullptr);
+  }
+  /// The mean residual of an object's visible points at a pose; 0 where nothing is refined.
+  float misfit(std::size_t model, const Pose& pose);
   /// The candidate that grows from a grid pose: refined (if at all) with `in_front`, the parent scene, hiding
   /// part of it; then valued alone. Empty where no pixel of the object is in view.
   std::optional<Candidate> make(std::size_t model, const Pose& grid_pose,

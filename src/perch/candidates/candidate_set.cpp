@@ -35,26 +35,4 @@ std::vector<CandidateMaker> make_makers(const LocalizationProblem& problem, cons
   return makers;
 }
 
-FixedCandidates make_fixed_candidates(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
-                                      const Executor& executor, const StopCondition& stop) {
-  FixedCandidates fixed{CandidateSet(problem.models().size())};
-  for (std::size_t model = 0; model < problem.models().size() && fixed.complete; ++model) {
-    if (problem.copies()[model] == 0) continue;
-    const auto poses = static_cast<std::size_t>(problem.grid(model).size());
-    std::vector<std::optional<Candidate>> made(poses);
-    fixed.complete = executor.for_each(
-        poses,
-        [&](std::size_t i, std::size_t worker) {
-          made[i] = makers[worker].make(model, problem.grid(model).pose(static_cast<std::int64_t>(i)));
-        },
-        stop);
-    if (!fixed.complete) break;
-    fixed.hypotheses += static_cast<std::int64_t>(poses);
-    for (auto& candidate : made)
-      if (candidate) fixed.set.add(std::move(*candidate));
-    if (problem.optional(model)) fixed.set.add(absent_candidate(model));
-  }
-  return fixed;
-}
-
 }  // namespace perch

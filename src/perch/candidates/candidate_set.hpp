@@ -41,15 +41,4 @@ class CandidateSet {
 /// One maker for each worker of an executor.
 std::vector<CandidateMaker> make_makers(const LocalizationProblem& problem, const Executor& executor);
 
-/// The fixed set: every (model, grid pose) refined once, alone.
-struct FixedCandidates {
-  CandidateSet set;
-  std::int64_t hypotheses = 0;  ///< grid poses valued
-  bool complete = true;         ///< false where the stop condition struck first
-};
-
-/// Makes the fixed set; candidates are numbered in the order of models and grid poses, whatever the executor.
-FixedCandidates make_fixed_candidates(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
-                                      const Executor& executor, const StopCondition& stop);
-
 }  // namespace perch

@@ -28,4 +28,13 @@ struct Covering {
   std::vector<Option> options;
 };
 
+/// Old numbers of what compact() left.
+struct CoveringNumbers {
+  std::vector<std::uint32_t> points, pixels;
+};
+
+/// Forgets points that no option explains and pixels that none leaves unexplained; what is left is numbered
+/// anew, in its order.
+CoveringNumbers compact(Covering& covering);
+
 }  // namespace perch

@@ -4,11 +4,14 @@
 #include <numeric>
 #include <tuple>
 
+#include "perch/candidates/candidate_floor.hpp"
+
 namespace perch {
 namespace {
 
 constexpr std::size_t most_starts = 8;      // greedy runs, each from another first object
 constexpr std::size_t most_exchanges = 96;  // candidates valued exactly for one place of a scene
+constexpr std::size_t exchange_batch = 8;   // of these, valued at a time
 constexpr int most_passes = 20;             // over the places of a scene; a handful is usual
 
 struct Ranked {
@@ -53,11 +56,15 @@ class SceneBuilder {
   }
 
   /// Exchanges one candidate at a time for the best other one of its model, as long as J falls.
-  void improve(CandidateScene& scene) const {
+  /// \param from candidates below this number have been tried in this very scene.
+  void improve(CandidateScene& scene, CandidateId from = 0) const {
     for (int pass = 0; pass < most_passes; ++pass) {
       bool changed = false;
       for (std::size_t place = 0; place < scene.candidates.size() && !stop_(); ++place)
-        changed = improve(scene, place) || changed;
+        if (improve(scene, place, from)) {
+          changed = true;
+          from = 0;
+        }
       if (!changed || stop_()) break;
     }
     std::sort(scene.candidates.begin(), scene.candidates.end());
@@ -75,39 +82,45 @@ class SceneBuilder {
                         [&](CandidateId other) { return problem_.collide(set_[id], set_[other]); });
   }
 
-  bool improve(CandidateScene& scene, std::size_t place) const {
+  bool improve(CandidateScene& scene, std::size_t place, CandidateId from) const {
     std::vector<CandidateId> others = scene.candidates;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(place));
     Composite composite = problem_.cost().empty();
-    PointSet covered(problem_.observation().size());
     CandidateMaker& maker = makers_.front();
-    for (const CandidateId id : others) {
+    for (const CandidateId id : others)
       problem_.cost().add(composite, maker.patch(set_[id]), maker.scratch());
-      covered.insert_all(set_[id].explained);
-    }
-    std::vector<Ranked> ranked;
-    rank(set_[scene.candidates[place]].model, covered, ranked);
-    const std::size_t kept = std::min(ranked.size(), most_exchanges);
-    std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(kept), ranked.end());
-    ranked.resize(kept);
 
-    std::vector<std::int64_t> costs(kept, -1);
-    executor_.for_each(
-        kept,
-        [&](std::size_t i, std::size_t worker) {
-          if (!fits(ranked[i].id, others)) return;
-          CandidateMaker& own = makers_[worker];
-          costs[i] =
-              problem_.cost().counts_with(composite, own.patch(set_[ranked[i].id]), own.scratch()).total();
-        },
-        stop_);
+    // By ascending floor, until none of the rest can be cheaper.
+    const CandidateFloor floor_of(problem_.cost(), composite);
+    std::vector<Ranked> ranked;
+    for (const CandidateId id : set_.of_model(set_[scene.candidates[place]].model)) {
+      if (id < from) continue;
+      const std::int64_t floor = floor_of(set_[id]);
+      if (floor < scene.cost && id != scene.candidates[place]) ranked.push_back({-floor, id});
+    }
+    std::sort(ranked.begin(), ranked.end());
     bool changed = false;
-    for (std::size_t i = 0; i < kept; ++i)
-      if (costs[i] >= 0 && costs[i] < scene.cost) {
-        scene.cost = costs[i];
-        scene.candidates[place] = ranked[i].id;
-        changed = true;
-      }
+    std::vector<std::int64_t> costs;
+    for (std::size_t i = 0; i < std::min(ranked.size(), most_exchanges); i += exchange_batch) {
+      if (-ranked[i].gain >= scene.cost) break;
+      const std::size_t size = std::min(exchange_batch, ranked.size() - i);
+      costs.assign(size, -1);
+      executor_.for_each(
+          size,
+          [&](std::size_t k, std::size_t worker) {
+            const CandidateId id = ranked[i + k].id;
+            if (!fits(id, others)) return;
+            CandidateMaker& own = makers_[worker];
+            costs[k] = problem_.cost().counts_with(composite, own.patch(set_[id]), own.scratch()).total();
+          },
+          stop_);
+      for (std::size_t k = 0; k < size; ++k)
+        if (costs[k] >= 0 && costs[k] < scene.cost) {
+          scene.cost = costs[k];
+          scene.candidates[place] = ranked[i + k].id;
+          changed = true;
+        }
+    }
     return changed;
   }
 
@@ -157,6 +170,14 @@ std::vector<CandidateScene> first_scenes(const LocalizationProblem& problem, con
                            }),
                scenes.end());
   return scenes;
+}
+
+bool improve_scene(const LocalizationProblem& problem, const CandidateSet& set,
+                   std::vector<CandidateMaker>& makers, const Executor& executor, const StopCondition& stop,
+                   CandidateScene& scene, CandidateId from) {
+  const std::int64_t before = scene.cost;
+  SceneBuilder(problem, set, makers, executor, stop).improve(scene, from);
+  return scene.cost < before;
 }
 
 }  // namespace perch

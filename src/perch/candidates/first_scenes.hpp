@@ -28,4 +28,10 @@ std::vector<CandidateScene> first_scenes(const LocalizationProblem& problem, con
                                          const StopCondition& stop,
                                          const std::vector<PriorPose>& priors = {});
 
+/// Exchanges one candidate of the scene at a time for the best other one of its model, as long as J falls.
+/// True where it fell. \param from candidates below this number have been tried in this very scene.
+bool improve_scene(const LocalizationProblem& problem, const CandidateSet& set,
+                   std::vector<CandidateMaker>& makers, const Executor& executor, const StopCondition& stop,
+                   CandidateScene& scene, CandidateId from = 0);
+
 }  // namespace perch

@@ -221,25 +221,6 @@ void Lagrangian::make_feasible(std::size_t x) {
 
 namespace {
 
-/// Numbers what is used in order; `number[i]` used ones stand before i.
-std::vector<std::uint32_t> numbered(const std::vector<char>& used, std::vector<std::uint32_t>& left) {
-  std::vector<std::uint32_t> number(used.size() + 1, 0);
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    number[i + 1] = number[i] + static_cast<std::uint32_t>(used[i]);
-    if (used[i]) left.push_back(static_cast<std::uint32_t>(i));
-  }
-  return number;
-}
-
-void mark(const std::vector<Run>& runs, std::vector<char>& used) {
-  for (const Run& run : runs) std::fill(used.begin() + run.first, used.begin() + run.last, 1);
-}
-
-void renumber(std::vector<Run>& runs, const std::vector<std::uint32_t>& number) {
-  for (Run& run : runs) run = {number[run.first], number[run.last]};
-  std::erase_if(runs, [](const Run& run) { return run.first == run.last; });
-}
-
 template <typename T>
 void keep_only(std::vector<T>& values, const std::vector<std::uint32_t>& left) {
   std::vector<T> kept;
@@ -252,29 +233,14 @@ void keep_only(std::vector<T>& values, const std::vector<std::uint32_t>& left) {
 
 Lagrangian::Left Lagrangian::compact() {
   Left left;
-  numbered(kept_, left.options);
+  for (std::size_t i = 0; i < kept_.size(); ++i)
+    if (kept_[i]) left.options.push_back(static_cast<std::uint32_t>(i));
   keep_only(covering_.options, left.options);
   keep_only(reduced_, left.options);
   kept_.assign(left.options.size(), 1);
   std::fill(best_.begin(), best_.end(), nothing);
 
-  std::vector<char> points(covering_.points, 0), pixels(covering_.pixels, 0);
-  for (const Covering::Option& option : covering_.options) {
-    mark(option.explained, points);
-    mark(option.certain, pixels);
-    mark(option.uncertain, pixels);
-  }
-  const auto point_number = numbered(points, left.points), pixel_number = numbered(pixels, left.pixels);
-  for (Covering::Option& option : covering_.options) {
-    renumber(option.explained, point_number);
-    renumber(option.certain, pixel_number);
-    renumber(option.uncertain, pixel_number);
-    renumber(option.relieved, pixel_number);
-  }
-  // A point that nothing left explains costs 1 for certain.
-  covering_.fixed += static_cast<std::int64_t>(covering_.points - left.points.size());
-  covering_.points = left.points.size();
-  covering_.pixels = left.pixels.size();
+  static_cast<CoveringNumbers&>(left) = perch::compact(covering_);
   keep_only(mu_, left.points);
   mu_sums_.assign(covering_.points + 1, 0);
   for (Charges& charges : charges_) {

@@ -62,16 +62,24 @@ class Lagrangian {
   void set_copies(std::size_t slot, int copies) { covering_.copies[slot] = copies; }
 
   /// Old numbers of what compact() left.
-  struct Left {
-    std::vector<std::uint32_t> options, points, pixels;
+  struct Left : CoveringNumbers {
+    std::vector<std::uint32_t> options;
   };
-  /// Forgets dropped options, points that no option left explains and pixels that none leaves unexplained;
-  /// what is left is numbered anew, in its order.
+  /// Forgets dropped options and then, as perch::compact, points and pixels.
   Left compact();
 
   /// mu of a point.
   Weight point_weight(std::size_t point) const { return mu_[point]; }
   void set_point_weight(std::size_t point, Weight weight) { mu_[point] = weight; }
+  /// beta and upsilon of a pixel.
+  struct PixelWeight {
+    Weight certain = 0, uncertain = 0;
+  };
+  /// Those of all slots together must be feasible.
+  void set_pixel_weight(std::size_t slot, std::size_t pixel, PixelWeight weight) {
+    charges_[slot].certain[pixel] = weight.certain;
+    charges_[slot].uncertain[pixel] = weight.uncertain;
+  }
 
  private:
   struct Slopes {

@@ -63,14 +63,29 @@ bool for_each_sharing(int copies, std::size_t parts, Visit visit) {
 
 }  // namespace
 
-LagrangianBound::LagrangianBound(const LocalizationProblem& problem, const CandidateSet& set)
-    : problem_(problem), set_(set), slot_of_(set.size(), 0), lagrangian_(covering_of(problem, set, ids_)) {
+LagrangianBound::LagrangianBound(const LocalizationProblem& problem, const CandidateSet& set,
+                                 const CoarseDual* start)
+    : problem_(problem), set_(set), slot_of_(set.size(), 0), lagrangian_([&] {
+        Covering covering = covering_of(problem, set, ids_);
+        CoveringNumbers left = perch::compact(covering);
+        point_of_ = std::move(left.points);
+        pixel_of_ = std::move(left.pixels);
+        return covering;
+      }()) {
   for (std::size_t i = 0; i < ids_.size(); ++i) slot_of_[ids_[i]] = lagrangian_.covering().options[i].slot;
-  point_of_.resize(lagrangian_.covering().points);
-  pixel_of_.resize(lagrangian_.covering().pixels);
-  std::iota(point_of_.begin(), point_of_.end(), 0U);
-  std::iota(pixel_of_.begin(), pixel_of_.end(), 0U);
-  compact();
+  if (start != nullptr) take_weights(*start);
+}
+
+void LagrangianBound::take_weights(const CoarseDual& start) {
+  const std::vector<Lagrangian::Weight> mu = start.point_weights();
+  for (std::size_t i = 0; i < point_of_.size(); ++i) lagrangian_.set_point_weight(i, mu[point_of_[i]]);
+  std::size_t slot = 0;
+  for (std::size_t model = 0; model < problem_.models().size(); ++model) {
+    if (problem_.copies()[model] == 0) continue;
+    for (std::size_t x = 0; x < pixel_of_.size(); ++x)
+      lagrangian_.set_pixel_weight(slot, x, start.pixel_weight(model, pixel_of_[x]));
+    ++slot;
+  }
 }
 
 void LagrangianBound::compact() {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "perch/candidates/candidate_set.hpp"
+#include "perch/candidates/coarse_dual.hpp"
 #include "perch/candidates/lagrangian.hpp"
 
 namespace perch {
@@ -33,8 +34,10 @@ class ReducedCosts {
 /// pixel of the union of the B(c) costs a rendered point.
 class LagrangianBound {
  public:
-  /// Keeps a reference to the problem; the set's candidates are those of its of_model lists.
-  LagrangianBound(const LocalizationProblem& problem, const CandidateSet& set);
+  /// Keeps references; the set's candidates are those of its of_model lists. \param start weights to begin
+  /// with, or nullptr.
+  LagrangianBound(const LocalizationProblem& problem, const CandidateSet& set,
+                  const CoarseDual* start = nullptr);
 
   /// See Lagrangian::improve; `upper_bound` is J of a known scene.
   void improve(int iterations, std::int64_t upper_bound, double enough, const Executor& executor,
@@ -65,6 +68,7 @@ class LagrangianBound {
 
  private:
   void compact();
+  void take_weights(const CoarseDual& start);
 
   const LocalizationProblem& problem_;
   const CandidateSet& set_;

@@ -35,6 +35,8 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
       observation_(std::move(observation)),
       index_(observation_, settings.cost.delta, executor, stop),
       cost_(observation_, index_, settings.cost.missing_depth),
+      blocks_(observation_, ExplainedBound::block_radius(settings.cost.delta)),
+      explained_bound_(observation_.intrinsics(), blocks_, settings.cost.delta, index_.reach()),
       models_(std::move(models)),
       objects_(std::move(objects)),
       copies_(models_.size(), 0),

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "perch/candidates/candidate.hpp"
+#include "perch/candidates/explained_bound.hpp"
 #include "perch/candidates/grid.hpp"
 #include "perch/cost/explanation_cost.hpp"
 #include "perch/model/collision.hpp"
@@ -52,6 +53,8 @@ class LocalizationProblem {
   const CandidateSettings& settings() const { return settings_; }
   const Observation& observation() const { return observation_; }
   const ExplanationCost& cost() const { return cost_; }
+  const PointBlocks& blocks() const { return blocks_; }
+  const ExplainedBound& explained_bound() const { return explained_bound_; }
   /// Empty where nothing is refined.
   const NearestTable* nearest() const { return nearest_ ? &*nearest_ : nullptr; }
   const std::vector<ObjectModel>& models() const { return models_; }
@@ -70,6 +73,10 @@ class LocalizationProblem {
   Eigen::Isometry3d camera_from_model(std::size_t model, const Pose& pose) const {
     return camera_from_world_ * models_[model].world_from_model(pose);
   }
+  /// The pixels that an object can cover; empty where it is out of view.
+  Window window(std::size_t model, const Pose& pose) const {
+    return explained_bound_.window(models_[model], camera_from_model(model, pose));
+  }
   /// Renders a model at a pose: the one way that all counts go through.
   void render(std::size_t model, const Pose& pose, Rasterizer& rasterizer, DepthPatch& patch) const;
   /// Points of I this deep in a model's solid (by its depth_lower_bound) can't be explained by any object
@@ -85,6 +92,8 @@ class LocalizationProblem {
   Observation observation_;
   DeltaIndex index_;
   ExplanationCost cost_;
+  PointBlocks blocks_;
+  ExplainedBound explained_bound_;
   std::optional<NearestTable> nearest_;
   std::vector<ObjectModel> models_;
   std::deque<SurfaceViews> views_;

@@ -27,16 +27,6 @@ struct LoneFrame {
   }
 };
 
-/// Adds the numbers of the set bits, counted from `first`.
-void append_runs(std::vector<Run>& runs, unsigned bits, std::uint32_t first) {
-  while (bits != 0) {
-    const auto from = static_cast<std::uint32_t>(__builtin_ctz(bits));
-    const auto length = static_cast<std::uint32_t>(__builtin_ctz(~(bits >> from)));
-    append(runs, first + from, first + from + length);
-    bits &= ~(((1U << length) - 1U) << from);
-  }
-}
-
 }  // namespace
 }  // namespace perch
 

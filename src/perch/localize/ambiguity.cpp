@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "perch/localize/candidate_floor.hpp"
+#include "perch/candidates/candidate_floor.hpp"
 #include "perch/localize/polish.hpp"
 #include "perch/localize/pose_descent.hpp"
 
@@ -50,11 +50,11 @@ class Neighbourhood {
 
 class Judge {
  public:
-  Judge(const LocalizationProblem& problem, const CandidateSet& set, std::vector<CandidateMaker>& makers,
-        const Executor& executor, const AmbiguitySettings& settings, const DescentSettings& descent,
-        const StopCondition& stop)
+  Judge(const LocalizationProblem& problem, const FixedCandidates& candidates,
+        std::vector<CandidateMaker>& makers, const Executor& executor, const AmbiguitySettings& settings,
+        const DescentSettings& descent, const StopCondition& stop)
       : problem_(problem),
-        set_(set),
+        candidates_(candidates),
         settings_(settings),
         descent_(descent),
         trials_(problem, makers, executor, stop) {}
@@ -97,16 +97,28 @@ class Judge {
     if (!run_batch(own)) return false;
 
     const CandidateFloor floor_of(problem_.cost(), trials_.others());
-    std::vector<std::pair<std::int64_t, CandidateId>> order;
-    for (CandidateId id = 0; id < set_.size(); ++id)
-      if (set_[id].model == trials_.model_number() && !set_[id].absent && !own.contains(set_[id].pose))
-        order.emplace_back(floor_of(set_[id]), id);
-    std::sort(order.begin(), order.end());
+    struct Other {
+      std::int64_t floor;
+      Pose pose;
+    };
+    std::vector<Other> order;
+    const CandidateSet& set = candidates_.set();
+    for (CandidateId id = 0; id < set.size(); ++id)
+      if (set[id].model == trials_.model_number() && !set[id].absent && !own.contains(set[id].pose))
+        order.push_back({floor_of(set[id]), set[id].pose});
+    const auto& open = candidates_.open();
+    std::vector<int> wanted(problem_.models().size(), 0);
+    wanted[trials_.model_number()] = 1;
+    const auto explained = candidates_.most_explained({floor_of.point_weights()}, wanted);
+    for (std::size_t i = 0; i < open.size(); ++i)
+      if (open[i].model == trials_.model_number() && !own.contains(open[i].pose))
+        order.push_back({floor_of(explained[i], open[i].window), open[i].pose});
+    std::stable_sort(order.begin(), order.end(),
+                     [](const Other& a, const Other& b) { return a.floor < b.floor; });
     for (std::size_t i = 0; i < order.size() && left_ > 0;) {
       batch_.clear();
       for (; i < order.size() && batch_.size() < batch_size; ++i)
-        if (found_.empty() || order[i].first < found_.front().cost)
-          batch_.push_back({set_[order[i].second].pose});
+        if (found_.empty() || order[i].floor < found_.front().cost) batch_.push_back({order[i].pose});
       if (batch_.empty()) break;
       if (!run_batch(own)) return false;
     }
@@ -151,7 +163,7 @@ class Judge {
   }
 
   const LocalizationProblem& problem_;
-  const CandidateSet& set_;
+  const FixedCandidates& candidates_;
   const AmbiguitySettings& settings_;
   const DescentSettings& descent_;
   ObjectTrials trials_;
@@ -173,13 +185,13 @@ double confidence(std::int64_t visible, std::int64_t support, std::optional<std:
   return supported * std::max(0.0, 1.0 - std::exp(-margin / significant));
 }
 
-JudgedScene judge(const LocalizationProblem& problem, const CandidateSet& set,
+JudgedScene judge(const LocalizationProblem& problem, const FixedCandidates& candidates,
                   std::vector<CandidateMaker>& makers, const Executor& executor, ArrangedScene scene,
                   const AmbiguitySettings& settings, const PolishSettings& polish_settings,
                   const StopCondition& stop) {
   JudgedScene judged{std::move(scene), {}};
   if (settings.trials == 0) return judged;
-  Judge judge_object(problem, set, makers, executor, settings, polish_settings.descent, stop);
+  Judge judge_object(problem, candidates, makers, executor, settings, polish_settings.descent, stop);
   for (int left = polish_settings.rounds > 0 ? exchanges : 0;; --left) {
     judged.objects.clear();
     std::size_t place = 0;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "perch/candidates/candidate_set.hpp"
+#include "perch/candidates/fixed_candidates.hpp"
 #include "perch/localize/finish_settings.hpp"
 #include "perch/localize/object_trials.hpp"
 #include "perch/localize/result.hpp"
@@ -24,12 +24,12 @@ struct JudgedScene {
   std::vector<ObjectJudgement> objects;  ///< as placed in the scene; empty where nothing was judged
 };
 
-/// Looks for the runner-up of every object: among all candidates of its model outside the neighbourhood of
-/// its pose, and just outside that neighbourhood; the best few are moved downhill as the polish moves the
-/// answer. Where one turns out better than the answer, by the rule of the polish, it takes its place and all
-/// is judged anew. The same for every executor. Where the stop condition strikes, the best scene so far
-/// without judgements. \param scene collision-free, with its exact J.
-JudgedScene judge(const LocalizationProblem& problem, const CandidateSet& set,
+/// Looks for the runner-up of every object: among all candidates of its model, valued or not, outside the
+/// neighbourhood of its pose, and just outside that neighbourhood; the best few are moved downhill as the
+/// polish moves the answer. Where one turns out better than the answer, by the rule of the polish, it takes
+/// its place and all is judged anew. The same for every executor. Where the stop condition strikes, the best
+/// scene so far without judgements. \param scene collision-free, with its exact J.
+JudgedScene judge(const LocalizationProblem& problem, const FixedCandidates& candidates,
                   std::vector<CandidateMaker>& makers, const Executor& executor, ArrangedScene scene,
                   const AmbiguitySettings& settings, const PolishSettings& polish, const StopCondition& stop);
 

@@ -53,22 +53,22 @@ class Localization {
         problem_(make_problem(scene, settings, executor, stop)),
         priors_(priors_of(scene, *problem_)),
         makers_(make_makers(*problem_, executor)),
-        candidates_{CandidateSet(problem_->models().size()), 0, true} {}
+        candidates_(*problem_, makers_, executor) {}
 
   Result run() {
     result_.observed_points = static_cast<std::int64_t>(problem_->observation().size());
     describe_guarantee(settings_, result_.guarantee);
     if (settings_.mode == CandidateMode::context) {
       const Stopwatch watch;
-      take(search_in_context(*problem_, candidates_.set, makers_, priors_, settings_, executor_, search_stop_,
+      take(search_in_context(*problem_, candidates_, makers_, priors_, settings_, executor_, search_stop_,
                              log_, result_.stats.rendered));
-      result_.guarantee.candidates = static_cast<std::int64_t>(candidates_.set.size());
+      result_.guarantee.candidates = static_cast<std::int64_t>(candidates_.set().size());
       result_.stats.seconds.search = watch.seconds();
     } else if (make_candidates()) {
       const Stopwatch watch;
       take(settings_.exhaustive ? enumerate()
-                                : search_fixed(*problem_, candidates_.set, makers_, priors_, settings_,
-                                               executor_, search_stop_, log_));
+                                : search_fixed(*problem_, candidates_, makers_, priors_, settings_, executor_,
+                                               search_stop_, log_));
       result_.stats.seconds.search = watch.seconds();
     }
     finish();
@@ -80,11 +80,12 @@ class Localization {
   bool make_candidates() {
     log_.stage("candidates");
     const Stopwatch watch;
-    candidates_ = make_fixed_candidates(*problem_, makers_, executor_, search_stop_);
+    const bool complete =
+        candidates_.refine(search_stop_) && (!settings_.exhaustive || candidates_.value_all(search_stop_));
     result_.stats.seconds.candidates = watch.seconds();
-    result_.stats.rendered = candidates_.hypotheses;
-    result_.guarantee.candidates = static_cast<std::int64_t>(candidates_.set.size());
-    if (!candidates_.complete) {
+    result_.stats.rendered = candidates_.hypotheses();
+    result_.guarantee.candidates = candidates_.count();
+    if (!complete) {
       result_.status = Status::time_limit;
       result_.reason = "the time limit came while candidates were made";
       return false;
@@ -98,8 +99,10 @@ class Localization {
   }
 
   std::optional<std::string> object_without_pose() const {
+    std::vector<char> open(problem_->models().size(), 0);
+    for (const FixedCandidates::Hypothesis& hypothesis : candidates_.open()) open[hypothesis.model] = 1;
     for (std::size_t model = 0; model < problem_->models().size(); ++model)
-      if (problem_->copies()[model] > 0 && candidates_.set.of_model(model).empty())
+      if (problem_->copies()[model] > 0 && !open[model] && candidates_.set().of_model(model).empty())
         return fmt::format("{} has no valid pose: at none of its {:.0f} grid poses is any of it in view",
                            problem_->models()[model].name(), problem_->grid(model).size());
     return std::nullopt;
@@ -108,7 +111,7 @@ class Localization {
   SearchOutcome enumerate() {
     log_.stage("enumeration");
     const bool all = settings_.search_method() == SearchMethod::branch_and_bound;
-    const Enumeration found = enumerate_scenes(*problem_, candidates_.set, makers_, executor_,
+    const Enumeration found = enumerate_scenes(*problem_, candidates_.set(), makers_, executor_,
                                                all ? nullptr : &settings_.tree, search_stop_);
     SearchOutcome outcome;
     outcome.generated = outcome.expanded = static_cast<std::uint64_t>(found.scenes);
@@ -156,8 +159,8 @@ class Localization {
   std::vector<PlacedModel> placed(const std::vector<CandidateId>& candidates) const {
     std::vector<PlacedModel> objects;
     for (const CandidateId id : candidates)
-      if (!candidates_.set[id].absent)
-        objects.push_back({candidates_.set[id].model, candidates_.set[id].pose});
+      if (!candidates_.set()[id].absent)
+        objects.push_back({candidates_.set()[id].model, candidates_.set()[id].pose});
     return in_scene_order(*problem_, std::move(objects));
   }
 
@@ -168,7 +171,7 @@ class Localization {
     std::vector<ArrangedScene> starts;
     for (const CandidateScene& scene : scenes_) starts.push_back({placed(scene.candidates), scene.cost});
     ArrangedScene best = polish_best(*problem_, makers_, executor_, starts, settings_.polish, stop_);
-    const JudgedScene judged = judge(*problem_, candidates_.set, makers_, executor_, std::move(best),
+    const JudgedScene judged = judge(*problem_, candidates_, makers_, executor_, std::move(best),
                                      settings_.ambiguity, settings_.polish, stop_);
     report_search(*problem_, starts.front().placed, result_);
     report_judged(*problem_, judged, result_);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "perch/candidates/lagrangian_bound.hpp"
+#include "perch/candidates/root_bound.hpp"
 #include "perch/heuristics/heuristics.hpp"
 #include "perch/search/branch_and_bound.hpp"
 #include "perch/search/focal_mha.hpp"
@@ -17,6 +17,7 @@ namespace {
 constexpr int bound_iterations = 60;  // of the Lagrangian bound; most of what it gives comes in the first ten
 constexpr int widening_rounds = 10;
 constexpr std::size_t most_widened = 4000;  // candidates that are rendered once more to widen certain costs
+constexpr int more_looks = 3;               // for candidates that fit in beside the others of the best scene
 constexpr std::size_t most_scenes = 8;      // good scenes that are handed on
 
 std::int64_t whole(double bound) {
@@ -25,11 +26,12 @@ std::int64_t whole(double bound) {
 
 class SceneSearch {
  public:
-  SceneSearch(const LocalizationProblem& problem, CandidateSet& set, std::vector<CandidateMaker>& makers,
-              const std::vector<PriorPose>& priors, const Settings& settings, const Executor& executor,
-              const StopCondition& stop, ProgressLog& log)
+  SceneSearch(const LocalizationProblem& problem, FixedCandidates& candidates,
+              std::vector<CandidateMaker>& makers, const std::vector<PriorPose>& priors,
+              const Settings& settings, const Executor& executor, const StopCondition& stop, ProgressLog& log)
       : problem_(problem),
-        set_(set),
+        candidates_(candidates),
+        set_(candidates.set()),
         makers_(makers),
         priors_(priors),
         settings_(settings),
@@ -39,8 +41,41 @@ class SceneSearch {
 
   SearchOutcome over_all() {
     log_.stage("first scenes");
-    outcome_.scenes = first_scenes(problem_, set_, makers_, executor_, stop_, priors_);
-    const LagrangianBound bound = bound_whole_set();
+    RootBound root(problem_, candidates_, executor_);
+    if (!root.value_near(priors_, stop_)) return stopped(0);
+    if (auto scene = root.greedy_scene(makers_, stop_)) outcome_.scenes.push_back(std::move(*scene));
+    if (stop_()) return stopped(0);
+    if (some_object_has_no_pose()) return std::move(outcome_);
+    if (known()) {
+      look_again(0);
+    } else {
+      outcome_.scenes = first_scenes(problem_, set_, makers_, executor_, stop_, priors_);
+    }
+    for (int look = 0; look < more_looks && known(); ++look) {
+      const auto before = static_cast<CandidateId>(set_.size());
+      if (!root.value_beside(outcome_.scenes.front().candidates, stop_)) return stopped(0);
+      if (!look_again(before)) break;
+    }
+    log_.stage("bound");
+    for (auto step = RootBound::Step::valued; step != RootBound::Step::complete;) {
+      const auto before = static_cast<CandidateId>(set_.size());
+      step = root.step(upper_bound(), enough(), stop_);
+      report_bound(root.lower_bound());
+      if (step == RootBound::Step::interrupted) return stopped(root.lower_bound());
+      if (step != RootBound::Step::valued) continue;
+      if (known())
+        look_again(before);
+      else
+        outcome_.scenes = first_scenes(problem_, set_, makers_, executor_, stop_, priors_);
+    }
+    if (static_cast<double>(root.lower_bound()) >= enough()) {
+      outcome_.lower_bound = root.lower_bound();
+      outcome_.reason = StopReason::solved;
+      if (outcome_.scenes.size() > most_scenes) outcome_.scenes.resize(most_scenes);
+      return std::move(outcome_);
+    }
+    LagrangianBound bound = root.bound();
+    improve(bound);
     log_.stage("search");
     SceneBranching branching(problem_, set_, makers_, executor_, bound, stop_);
     using Solution = SceneBranching::Solution;
@@ -63,6 +98,8 @@ class SceneSearch {
 
   SearchOutcome over_tree() {
     log_.stage("first scenes");
+    if (!candidates_.value_all(stop_)) return stopped(0);
+    if (some_object_has_no_pose()) return std::move(outcome_);
     std::optional<Incumbent<SceneState>> first;
     {
       const SceneTree whole = SceneTree::fixed(problem_, set_, makers_, executor_, settings_.tree);
@@ -76,7 +113,8 @@ class SceneSearch {
     std::optional<ReducedCosts> reduced_costs;
     std::int64_t lower_bound = 0;
     if (first && settings_.bound == StateBound::lagrangian) {
-      const LagrangianBound bound = bound_whole_set();
+      LagrangianBound bound(problem_, set_);
+      improve(bound);
       set_.restrict_to(bound.kept());
       reduced_costs = bound.reduced_costs();
       lower_bound = bound.lower_bound();
@@ -103,31 +141,54 @@ class SceneSearch {
   }
 
  private:
+  bool some_object_has_no_pose() const {
+    for (std::size_t model = 0; model < problem_.models().size(); ++model)
+      if (problem_.copies()[model] > 0 && set_.of_model(model).empty()) return true;
+    return false;
+  }
+
+  SearchOutcome stopped(std::int64_t lower_bound) {
+    outcome_.lower_bound = lower_bound;
+    outcome_.reason = stop_.cancelled() ? StopReason::cancelled : StopReason::time;
+    return std::move(outcome_);
+  }
+
+  /// Tries candidates from a number on in the best scene. True where that made it better.
+  bool look_again(CandidateId from) {
+    CandidateScene scene = outcome_.scenes.front();
+    const bool better = improve_scene(problem_, set_, makers_, executor_, stop_, scene, from);
+    if (better) outcome_.scenes.insert(outcome_.scenes.begin(), std::move(scene));
+    return better;
+  }
+
+  bool known() const { return !outcome_.scenes.empty(); }
+  std::int64_t upper_bound() const { return known() ? outcome_.scenes.front().cost : no_cost; }
+  /// The bound that proves the best scene known good enough.
+  double enough() const { return static_cast<double>(upper_bound()) / settings_.stopping_factor(); }
+  void report_bound(std::int64_t lower_bound) {
+    log_.improved(known() ? std::optional(upper_bound()) : std::nullopt, lower_bound);
+  }
+
   /// The bound at the root: improved, copies told apart and certain costs widened in turn, until it is good
   /// enough or none of these gives more.
-  LagrangianBound bound_whole_set() {
+  void improve(LagrangianBound& bound) {
     log_.stage("bound");
-    LagrangianBound bound(problem_, set_);
-    const bool known = !outcome_.scenes.empty();
-    const std::int64_t upper_bound = known ? outcome_.scenes.front().cost : no_cost;
-    const double enough = static_cast<double>(upper_bound) / settings_.stopping_factor();
-    const auto improve = [&] {
-      bound.improve(bound_iterations, upper_bound, enough, executor_, stop_);
-      log_.improved(known ? std::optional(upper_bound) : std::nullopt, bound.lower_bound());
+    const auto improve_weights = [&] {
+      bound.improve(bound_iterations, upper_bound(), enough(), executor_, stop_);
+      report_bound(bound.lower_bound());
     };
-    improve();
+    improve_weights();
     for (int round = 0; round < widening_rounds; ++round) {
       const std::int64_t before = bound.lower_bound();
       const std::size_t kept = bound.kept_count();
-      if (stop_() || static_cast<double>(before) >= enough || kept > most_widened) break;
-      if (known)
-        bound.separate_copies(outcome_.scenes.front().candidates, bound_iterations, upper_bound, executor_,
+      if (stop_() || static_cast<double>(before) >= enough() || kept > most_widened) break;
+      if (known())
+        bound.separate_copies(outcome_.scenes.front().candidates, bound_iterations, upper_bound(), executor_,
                               stop_);
       bound.widen_certain(makers_, executor_);
-      improve();
+      improve_weights();
       if (bound.lower_bound() == before && bound.kept_count() == kept) break;
     }
-    return bound;
   }
 
   void focal_mha_over(SceneTree& tree, std::optional<Incumbent<SceneState>> first) {
@@ -174,6 +235,7 @@ class SceneSearch {
   static constexpr std::int64_t no_cost = std::int64_t{1} << 40;
 
   const LocalizationProblem& problem_;
+  FixedCandidates& candidates_;
   CandidateSet& set_;
   std::vector<CandidateMaker>& makers_;
   const std::vector<PriorPose>& priors_;
@@ -186,19 +248,20 @@ class SceneSearch {
 
 }  // namespace
 
-SearchOutcome search_fixed(const LocalizationProblem& problem, CandidateSet& set,
+SearchOutcome search_fixed(const LocalizationProblem& problem, FixedCandidates& candidates,
                            std::vector<CandidateMaker>& makers, const std::vector<PriorPose>& priors,
                            const Settings& settings, const Executor& executor, const StopCondition& stop,
                            ProgressLog& log) {
-  SceneSearch search(problem, set, makers, priors, settings, executor, stop, log);
+  SceneSearch search(problem, candidates, makers, priors, settings, executor, stop, log);
   return settings.search_method() == SearchMethod::branch_and_bound ? search.over_all() : search.over_tree();
 }
 
-SearchOutcome search_in_context(const LocalizationProblem& problem, CandidateSet& set,
+SearchOutcome search_in_context(const LocalizationProblem& problem, FixedCandidates& candidates,
                                 std::vector<CandidateMaker>& makers, const std::vector<PriorPose>& priors,
                                 const Settings& settings, const Executor& executor, const StopCondition& stop,
                                 ProgressLog& log, std::int64_t& hypotheses) {
-  return SceneSearch(problem, set, makers, priors, settings, executor, stop, log).in_context(hypotheses);
+  return SceneSearch(problem, candidates, makers, priors, settings, executor, stop, log)
+      .in_context(hypotheses);
 }
 
 }  // namespace perch

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "perch/candidates/first_scenes.hpp"
+#include "perch/candidates/fixed_candidates.hpp"
 #include "perch/localize/progress.hpp"
 #include "perch/localize/settings.hpp"
 #include "perch/search/search_result.hpp"
@@ -22,14 +23,14 @@ struct SearchOutcome {
 /// Over a fixed set: first scenes, then the Lagrangian bound, which drops the candidates that no better scene
 /// can hold, then branch and bound or Focal-MHA* over those left. What was dropped costs at least as much as
 /// the first scene, so the bound holds for the whole set. The set's lists are cut to what was left.
-SearchOutcome search_fixed(const LocalizationProblem& problem, CandidateSet& set,
+SearchOutcome search_fixed(const LocalizationProblem& problem, FixedCandidates& candidates,
                            std::vector<CandidateMaker>& makers, const std::vector<PriorPose>& priors,
                            const Settings& settings, const Executor& executor, const StopCondition& stop,
                            ProgressLog& log);
 
 /// Focal-MHA* with ICP in the context of each parent scene; candidates made are added to the set.
 /// \param hypotheses where the number of these is added.
-SearchOutcome search_in_context(const LocalizationProblem& problem, CandidateSet& set,
+SearchOutcome search_in_context(const LocalizationProblem& problem, FixedCandidates& candidates,
                                 std::vector<CandidateMaker>& makers, const std::vector<PriorPose>& priors,
                                 const Settings& settings, const Executor& executor, const StopCondition& stop,
                                 ProgressLog& log, std::int64_t& hypotheses);

@@ -9,7 +9,8 @@ ObjectModel::ObjectModel(std::string name, Mesh mesh, Symmetry symmetry, double 
       mesh_(std::move(mesh)),
       symmetry_(symmetry),
       origin_z_(origin_z),
-      height_(mesh_.bounds().max().z()),
+      bounds_(mesh_.bounds()),
+      height_(bounds_.max().z()),
       solid_(mesh_, margin) {
   for (const Eigen::Vector3f& p : mesh_.vertices) radius_ = std::max<double>(radius_, p.head<2>().norm());
 }

@@ -25,6 +25,8 @@ class ObjectModel {
   /// Farthest surface point from the model's z axis, metres.
   double radius() const { return radius_; }
   double height() const { return height_; }
+  /// Of the mesh, model frame, metres.
+  const Eigen::AlignedBox3f& bounds() const { return bounds_; }
 
   Eigen::Isometry3d world_from_model(const Pose& pose) const {
     return perch::world_from_model(pose, origin_z_);
@@ -35,6 +37,7 @@ class ObjectModel {
   Mesh mesh_;
   Symmetry symmetry_;
   double origin_z_;
+  Eigen::AlignedBox3f bounds_;
   double radius_ = 0.0, height_ = 0.0;
   SolidVolume solid_;
 };

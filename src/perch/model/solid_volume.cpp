@@ -65,6 +65,7 @@ SolidVolume::SolidVolume(const Mesh& mesh, double margin) : solid_(is_closed(mes
   voxel_ = std::clamp(box.sizes().maxCoeff() / voxels_across, smallest_voxel, largest_voxel);
   half_diagonal_ = 0.5F * sqrt3 * voxel_;
   const float pad = static_cast<float>(margin) + 2.0F * voxel_;
+  reach_ = pad;
   origin_ = box.min() - Eigen::Vector3f::Constant(pad);
   size_ = ((box.sizes().array() + 2.0F * pad) / voxel_).ceil().matrix().cast<int>() + Eigen::Vector3i::Ones();
 

@@ -27,6 +27,21 @@ class SolidVolume {
   /// uncertainty().
   float uncertainty() const { return 2.0F * (field_error_ + half_diagonal_); }
 
+  /// The field itself, for loops that look up several points at a time: |value| at a voxel's centre differs
+  /// from the distance there by at most field_error(). Voxel (i, j, k) is the one whose centre, origin +
+  /// voxel (i, j, k), is nearest, and has the number (k size_y + j) size_x + i.
+  struct Field {
+    float voxel, origin_x, origin_y, origin_z;
+    int size_x, size_y, size_z;
+    const float* values;
+  };
+  Field field() const {
+    return {voxel_, origin_.x(), origin_.y(), origin_.z(), size_.x(), size_.y(), size_.z(), field_.data()};
+  }
+  float field_error() const { return field_error_; }
+  /// What lies outside the field is farther from the mesh's box than this, metres.
+  float reach() const { return reach_; }
+
   /// Points on the surface such that every surface point has one within sample_radius().
   const std::vector<Eigen::Vector3f>& surface_samples() const { return samples_; }
   float sample_radius() const { return sample_radius_; }
@@ -55,6 +70,7 @@ class SolidVolume {
   Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
   std::vector<float> field_;  ///< signed distance at the voxels' centres
   float field_error_ = 0.0F;
+  float reach_ = 0.0F;
   float half_diagonal_ = 0.0F;
   std::vector<Eigen::Vector3f> samples_;
   float sample_radius_ = 0.0F;

@@ -23,4 +23,14 @@ inline void append(std::vector<Run>& runs, std::uint32_t number) {
   append(runs, number, number + 1);
 }
 
+/// Adds the numbers of the set bits, counted from `first`; all larger than those before.
+inline void append_runs(std::vector<Run>& runs, unsigned bits, std::uint32_t first) {
+  while (bits != 0) {
+    const auto from = static_cast<std::uint32_t>(__builtin_ctz(bits));
+    const auto length = static_cast<std::uint32_t>(__builtin_ctz(~(bits >> from)));
+    append(runs, first + from, first + from + length);
+    bits &= ~(((1U << length) - 1U) << from);
+  }
+}
+
 }  // namespace perch

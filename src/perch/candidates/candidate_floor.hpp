@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "perch/candidates/candidate.hpp"
+#include "perch/core/summed_area.hpp"
 #include "perch/cost/explanation_cost.hpp"
 
 namespace perch {
@@ -23,19 +24,16 @@ class CandidateFloor {
   CandidateFloor(const ExplanationCost& cost, const Composite& others);
 
   std::int64_t operator()(const Candidate& candidate) const;
+  /// The same for one that is not valued. \param most_explained of the points that point_weights() counts, at
+  /// most. \param window that holds its rendering.
+  std::int64_t operator()(std::int64_t most_explained, const Window& window) const;
+  /// 1 for points of I that the composite does not explain.
+  std::vector<std::int64_t> point_weights() const;
 
  private:
-  /// Unexplained pixels of the composite inside a window.
-  std::int64_t unexplained_in(const Window& window) const;
-  std::size_t at(int u, int v) const {
-    return static_cast<std::size_t>(v - window_.v0) * pitch_ + static_cast<std::size_t>(u - window_.u0);
-  }
-
   const Composite& others_;
-  std::int64_t points_;  ///< |I|
-  Window window_;
-  std::size_t pitch_;
-  std::vector<std::int64_t> sums_;  ///< of unexplained pixels above and left of a corner
+  std::int64_t points_;     ///< |I|
+  SummedArea unexplained_;  ///< pixels of the composite
 };
 
 }  // namespace perch

@@ -1,0 +1,189 @@
+#include "perch/candidates/root_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace perch {
+namespace {
+
+using Weight = Lagrangian::Weight;
+
+constexpr std::size_t promising = 16;     // of each model
+constexpr std::size_t near_priors = 8;    // for each: some may collide with what stands at another one
+constexpr std::size_t most_valued = 256;  // in a step: what they show may rule out the others
+constexpr int step_iterations = 40;       // of the dual
+
+std::vector<std::size_t> places(const std::vector<char>& chosen) {
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (chosen[i]) result.push_back(i);
+  return result;
+}
+
+/// Chooses for a model the `number` of hypotheses with the smallest `rank` of those that are `wanted`.
+template <typename Rank, typename Wanted>
+void choose(const std::vector<FixedCandidates::Hypothesis>& open, std::size_t model, std::size_t number,
+            const Rank& rank, const Wanted& wanted, std::vector<char>& chosen) {
+  std::vector<std::pair<double, std::size_t>> own;
+  for (std::size_t i = 0; i < open.size(); ++i)
+    if (open[i].model == model) own.emplace_back(rank(i), i);
+  std::sort(own.begin(), own.end());
+  for (const auto& [rank_of_i, i] : own) {
+    if (number == 0) break;
+    if (!wanted(i)) continue;
+    chosen[i] = 1;
+    --number;
+  }
+}
+
+}  // namespace
+
+RootBound::RootBound(const LocalizationProblem& problem, FixedCandidates& candidates,
+                     const Executor& executor)
+    : problem_(problem), candidates_(candidates), executor_(executor), dual_(problem) {}
+
+bool RootBound::value_near(const std::vector<PriorPose>& priors, const StopCondition& stop) {
+  const auto& open = candidates_.open();
+  std::vector<char> chosen(open.size(), 0);
+  for (const PriorPose& prior : priors) {
+    const ObjectModel& model = problem_.models()[prior.model];
+    choose(
+        open, prior.model, near_priors,
+        [&](std::size_t i) { return pose_distance(model, open[i].pose, prior.pose); },
+        [](std::size_t) { return true; }, chosen);
+  }
+  return candidates_.value(places(chosen), stop);
+}
+
+bool RootBound::value_promising(const std::vector<std::vector<std::int64_t>>& point_weights,
+                                const std::vector<int>& wanted, const std::vector<CandidateId>& placed,
+                                const StopCondition& stop) {
+  const auto& open = candidates_.open();
+  const CandidateSet& set = candidates_.set();
+  const std::vector<Weight> most = candidates_.most_explained(point_weights, wanted);
+  std::vector<char> chosen(open.size(), 0);
+  for (std::size_t model = 0; model < problem_.models().size(); ++model) {
+    if (wanted[model] == 0) continue;
+    choose(
+        open, model, promising,
+        [&](std::size_t i) {
+          return -static_cast<double>(most[i]) * (1.0 - static_cast<double>(open[i].misfit));
+        },
+        [&](std::size_t i) {
+          return std::none_of(placed.begin(), placed.end(), [&](CandidateId id) {
+            return !set[id].absent && problem_.collide(model, open[i].pose, set[id].model, set[id].pose);
+          });
+        },
+        chosen);
+  }
+  return candidates_.value(places(chosen), stop);
+}
+
+/// A model of which none of what is valued is in view may have hypotheses that are.
+bool RootBound::value_unseen_models(const StopCondition& stop) {
+  const auto& open = candidates_.open();
+  for (std::size_t model = 0; model < problem_.models().size(); ++model) {
+    if (problem_.copies()[model] == 0 || !candidates_.set().of_model(model).empty()) continue;
+    std::vector<char> chosen(open.size(), 0);
+    for (std::size_t i = 0; i < open.size(); ++i) chosen[i] = open[i].model == model;
+    if (!candidates_.value(places(chosen), stop)) return false;
+  }
+  return true;
+}
+
+std::optional<CandidateScene> RootBound::greedy_scene(std::vector<CandidateMaker>& makers,
+                                                      const StopCondition& stop) {
+  const CandidateSet& set = candidates_.set();
+  std::vector<int> left = problem_.copies();
+  std::vector<CandidateId> placed;
+  PointSet covered(problem_.observation().size());
+  std::vector<std::int64_t> weights(problem_.observation().size(), 1);
+  while (placed.size() < problem_.object_count()) {
+    if (!value_promising({weights}, left, placed, stop) || (placed.empty() && !value_unseen_models(stop)))
+      return std::nullopt;
+    std::optional<CandidateId> best;
+    std::int64_t most = 0;
+    for (std::size_t model = 0; model < left.size(); ++model)
+      for (const CandidateId id : set.of_model(model)) {
+        if (left[model] == 0) continue;
+        const std::int64_t gain =
+            static_cast<std::int64_t>(set[id].explained.count_not_in(covered)) - set[id].exposed;
+        if ((best && gain <= most) || std::any_of(placed.begin(), placed.end(), [&](CandidateId other) {
+              return problem_.collide(set[id], set[other]);
+            }))
+          continue;
+        best = id;
+        most = gain;
+      }
+    if (!best) return std::nullopt;
+    placed.push_back(*best);
+    --left[set[*best].model];
+    covered.insert_all(set[*best].explained);
+    for (const Run& run : set[*best].explained_runs)
+      std::fill(weights.begin() + run.first, weights.begin() + run.last, 0);
+  }
+  std::sort(placed.begin(), placed.end());
+  return CandidateScene{placed, scene_cost(problem_, set, placed, makers.front())};
+}
+
+bool RootBound::value_beside(const std::vector<CandidateId>& scene, const StopCondition& stop) {
+  const CandidateSet& set = candidates_.set();
+  std::vector<std::vector<std::int64_t>> left(problem_.models().size(),
+                                              std::vector<std::int64_t>(problem_.observation().size(), 1));
+  for (const CandidateId id : scene)
+    for (std::size_t model = 0; model < left.size(); ++model)
+      if (model != set[id].model)
+        for (const Run& run : set[id].explained_runs)
+          std::fill(left[model].begin() + run.first, left[model].begin() + run.last, 0);
+  return value_promising(left, problem_.copies(), {}, stop);
+}
+
+std::vector<Weight> RootBound::most_worth() const {
+  std::vector<Weight> most = candidates_.most_explained({dual_.point_weights()}, problem_.copies());
+  const auto& open = candidates_.open();
+  for (std::size_t i = 0; i < open.size(); ++i) most[i] += dual_.relief(open[i].model, open[i].window);
+  return most;
+}
+
+RootBound::Step RootBound::step(std::int64_t upper_bound, double enough, const StopCondition& stop) {
+  dual_.add(candidates_.set(), executor_);
+  dual_.ascend(step_iterations, upper_bound, 0.5 * (enough + static_cast<double>(upper_bound)), executor_,
+               stop);
+  const std::vector<Weight> worth = most_worth();
+  const auto& open = candidates_.open();
+
+  // The bound if no open hypothesis were worth more than the best candidate, and as it is.
+  Weight without = dual_.constant(), bound = without, copies = 0;
+  std::vector<Weight> largest = dual_.largest();
+  for (std::size_t i = 0; i < open.size(); ++i)
+    largest[open[i].model] = std::max(largest[open[i].model], worth[i]);
+  for (std::size_t model = 0; model < largest.size(); ++model) {
+    const Weight k = problem_.copies()[model];
+    without -= k * dual_.largest()[model];
+    bound -= k * largest[model];
+    copies += k;
+  }
+  lower_bound_ = std::clamp(Lagrangian::count(bound), lower_bound_, std::max(lower_bound_, upper_bound));
+  if (static_cast<double>(lower_bound_) >= enough) return Step::complete;
+
+  // How much less than the best of its model a hypothesis must be worth to be of no use: less than nothing
+  // where the bound has room to fall to what is enough; else so little that no scene with it is better.
+  // Costs are whole: what exceeds the number below is enough.
+  const auto number = static_cast<Weight>(std::ceil(std::min(enough, static_cast<double>(upper_bound))));
+  const Weight aim = (number - 1) * Lagrangian::one + 1;
+  const Weight margin =
+      without >= aim ? -((without - aim) / copies) : (upper_bound - 1) * Lagrangian::one - without;
+  const auto deficit = [&](std::size_t i) { return dual_.largest()[open[i].model] - worth[i]; };
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < open.size(); ++i)
+    if (deficit(i) <= margin) which.push_back(i);
+  if (which.empty()) return Step::complete;
+  std::stable_sort(which.begin(), which.end(),
+                   [&](std::size_t a, std::size_t b) { return deficit(a) < deficit(b); });
+  which.resize(std::min(which.size(), margin < 0 ? std::max(most_valued, which.size() / 2) : most_valued));
+  std::sort(which.begin(), which.end());
+  return candidates_.value(which, stop) ? Step::valued : Step::interrupted;
+}
+
+}  // namespace perch

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "perch/candidates/coarse_dual.hpp"
+#include "perch/candidates/first_scenes.hpp"
+#include "perch/candidates/fixed_candidates.hpp"
+#include "perch/candidates/lagrangian_bound.hpp"
+#include "perch/candidates/priors.hpp"
+
+namespace perch {
+
+/// Brings the Lagrangian bound of all fixed candidates as high as is asked for, and values few of them: a
+/// hypothesis is rendered only where what it may explain at most, by the weights so far, could lower the
+/// bound or be part of a better scene than the one known (pricing, as in column generation). Exact.
+class RootBound {
+ public:
+  /// Keeps references.
+  RootBound(const LocalizationProblem& problem, FixedCandidates& candidates, const Executor& executor);
+
+  /// Values what is nearest to priors. False where the stop condition struck.
+  bool value_near(const std::vector<PriorPose>& priors, const StopCondition& stop);
+  /// A scene put together object by object, always the one that explains most more than it leaves to be
+  /// explained beside those placed, among what is valued: before each choice what may explain most is. Empty
+  /// where no candidate fits, or where the stop condition struck. Every model has a valued candidate then, if
+  /// any of it is in view anywhere.
+  std::optional<CandidateScene> greedy_scene(std::vector<CandidateMaker>& makers, const StopCondition& stop);
+  /// Values what may explain most of each model beside the other models' objects in a scene. False where the
+  /// stop condition struck.
+  bool value_beside(const std::vector<CandidateId>& scene, const StopCondition& stop);
+
+  enum class Step { valued, complete, interrupted };
+  /// Improves the weights, prices the open hypotheses, and values some of those that stand in the way. Where
+  /// it completes, the open hypotheses that are left are of no use: lower_bound() has reached `enough`, or no
+  /// scene with one of them costs less than the upper bound. Every model has a valued candidate. \param
+  /// upper_bound cost of a known scene.
+  Step step(std::int64_t upper_bound, double enough, const StopCondition& stop);
+
+  /// No scene of the fixed candidates costs less, as far as the steps have shown.
+  std::int64_t lower_bound() const { return lower_bound_; }
+  /// Over the valued candidates, with the weights of the last step.
+  LagrangianBound bound() const { return LagrangianBound(problem_, candidates_.set(), &dual_); }
+
+ private:
+  /// Values for each model in which `wanted` is not 0 the hypotheses most worth a rendering, as far as one
+  /// can guess, among those that collide with nothing placed.
+  bool value_promising(const std::vector<std::vector<std::int64_t>>& point_weights,
+                       const std::vector<int>& wanted, const std::vector<CandidateId>& placed,
+                       const StopCondition& stop);
+  bool value_unseen_models(const StopCondition& stop);
+  /// Of each open hypothesis: at most what it is worth.
+  std::vector<Lagrangian::Weight> most_worth() const;
+
+  const LocalizationProblem& problem_;
+  FixedCandidates& candidates_;
+  const Executor& executor_;
+  CoarseDual dual_;
+  std::int64_t lower_bound_ = 0;
+};
+
+}  // namespace perch
