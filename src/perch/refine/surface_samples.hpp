@@ -14,8 +14,9 @@ struct SurfaceSamples {
 
   std::size_t size() const { return x.size(); }
   bool empty() const { return x.empty(); }
-  void clear() {
-    for (std::vector<float>* values : {&x, &y, &z, &nx, &ny, &nz}) values->clear();
+  void clear() { resize(0); }
+  void resize(std::size_t size) {
+    for (std::vector<float>* values : {&x, &y, &z, &nx, &ny, &nz}) values->resize(size);
   }
   void push_back(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
     x.push_back(point.x());
