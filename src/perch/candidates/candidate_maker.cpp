@@ -33,7 +33,7 @@ std::optional<Placing> CandidateMaker::place(const Composite& others, std::size_
   render(model, placing.pose);
   if (!patch_.any()) return std::nullopt;
   const ThreadStopwatch watch;
-  placing.counts = problem_.cost().counts_with(others, patch_, change_);
+  placing.counts = lone_cost_.counts_with(others, patch_);
   if (refines) {
     sample(model, placing.pose, &others.depth);
     placing.residual = mean_residual(samples_, *problem_.nearest(), problem_.settings().cost.delta);

@@ -59,6 +59,10 @@ class CandidateMaker {
   /// The candidate's rendering: the one it keeps, or a new one, which holds until the next call.
   const DepthPatch& patch(const Candidate& candidate);
 
+  /// J's counts with a candidate added to a composite.
+  CostCounts counts_with(const Composite& composite, const Candidate& candidate) {
+    return lone_cost_.counts_with(composite, patch(candidate));
+  }
   CostChange& scratch() { return change_; }
   const StageSeconds& seconds() const { return seconds_; }
 

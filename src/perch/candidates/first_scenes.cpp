@@ -111,7 +111,7 @@ class SceneBuilder {
             const CandidateId id = ranked[i + k].id;
             if (!fits(id, others)) return;
             CandidateMaker& own = makers_[worker];
-            costs[k] = problem_.cost().counts_with(composite, own.patch(set_[id]), own.scratch()).total();
+            costs[k] = own.counts_with(composite, set_[id]).total();
           },
           stop_);
       for (std::size_t k = 0; k < size; ++k)

@@ -52,7 +52,7 @@ void widen(const std::vector<float>& from, std::vector<float>& to, int count, st
 
 }  // namespace
 
-void LoneCost::load(const DepthPatch& patch) {
+void LoneCost::load(const DepthPatch& patch, const Composite* composite) {
   const Intrinsics& intrinsics = cost_.observation().intrinsics();
   const int reach = cost_.index().reach();
   area_ = intersection(
@@ -61,24 +61,103 @@ void LoneCost::load(const DepthPatch& patch) {
   const int blocks = (area_.width() + lane_count - 1) / lane_count;
   pitch_ = static_cast<std::size_t>(blocks + 1) * lane_count;
   rendered_.assign(pitch_ * static_cast<std::size_t>(area_.height()), no_surface);
+  const Window common = composite == nullptr ? Window() : intersection(patch.window, composite->depth.window);
   for (int v = patch.window.v0; v < patch.window.v1; ++v) {
-    float* target =
-        rendered_.data() + static_cast<std::size_t>(v - area_.v0) * pitch_ + (patch.window.u0 - area_.u0);
-    std::copy_n(patch.row(v), patch.window.width(), target);
+    float* row = rendered_.data() + static_cast<std::size_t>(v - area_.v0) * pitch_ - area_.u0;
+    std::copy_n(patch.row(v), patch.window.width(), row + patch.window.u0);
+    if (v >= common.v0 && v < common.v1 && !common.empty()) {
+      const float* front = composite->depth.row(v) - composite->depth.window.u0;
+      for (int u = common.u0; u < common.u1; ++u) row[u] = row[u] < front[u] ? row[u] : no_surface;
+    }
     if (cost_.counts_everywhere()) continue;
-    for (int u = patch.window.u0; u < patch.window.u1; ++u, ++target)
-      if (!cost_.counts_at(u, v)) *target = no_surface;
+    for (int u = patch.window.u0; u < patch.window.u1; ++u)
+      if (!cost_.counts_at(u, v)) row[u] = no_surface;
   }
 }
 
 void LoneCost::value(const DepthPatch& patch, LoneValue& value) {
+  if (!patch.window.empty()) load(patch, nullptr);
+  value_loaded(patch, value);
+}
+
+CostCounts LoneCost::counts_with(const Composite& composite, const DepthPatch& patch) {
+  CostCounts counts = cost_.counts(composite);
+  if (patch.window.empty()) return counts;
+  load(patch, &composite);
+  counts.rendered -= find_hidden(composite, patch);
+  value_loaded(patch, beside_);
+  const PointSet explained(beside_.explained);
+  counts.rendered += beside_.unexplained;
+  counts.observed -= static_cast<std::int64_t>(explained.count_not_in(composite.observed));
+  if (!hidden_.empty()) counts.observed += lost(composite, explained);
+  return counts;
+}
+
+std::int64_t LoneCost::find_hidden(const Composite& composite, const DepthPatch& patch) {
+  const Window common = intersection(patch.window, composite.depth.window);
+  hidden_ = {};
+  std::int64_t unexplained = 0;
+  if (common.empty()) return unexplained;
+  hides_.reset(common);
+  for (int v = common.v0; v < common.v1; ++v) {
+    const float* shown = rendered_.data() + static_cast<std::size_t>(v - area_.v0) * pitch_ - area_.u0;
+    const float* before = composite.depth.row(v) - composite.depth.window.u0;
+    const std::uint8_t* explained =
+        composite.explained.data() + composite.depth.index(composite.depth.window.u0, v);
+    for (int u = common.u0; u < common.u1; ++u) {
+      if (!(shown[u] < no_surface) || !(before[u] < no_surface)) continue;
+      if (explained[u - composite.depth.window.u0] == 0) {
+        ++unexplained;
+      } else {
+        hides_.insert(u, v);
+        hidden_ = bounding(hidden_, {u, v, u + 1, v + 1});
+      }
+    }
+  }
+  return unexplained;
+}
+
+std::int64_t LoneCost::lost(const Composite& composite, const PointSet& explained) const {
+  const Observation& observation = cost_.observation();
+  const DeltaIndex& index = cost_.index();
+  const RaySlopes& rays = observation.rays();
+  // Only explained pixels can be near a point of I: the same pairs.
+  const auto near = [&](const Eigen::Vector3f& p, int u, int v) {
+    return within_delta(p, rays.point(u, v, composite.depth.at(u, v)), index.delta_squared());
+  };
+  const auto still_near = [&](const Eigen::Vector3f& p, const Window& window) {
+    const Window common = intersection(window, composite.depth.window);
+    for (int v = common.v0; v < common.v1; ++v)
+      for (int u = common.u0; u < common.u1; ++u)
+        if (composite.explained[composite.depth.index(u, v)] != 0 && !hides_.contains(u, v) && near(p, u, v))
+          return true;
+    return false;
+  };
+  std::int64_t lost = 0;
+  const int first_row = std::max(0, hidden_.v0 - index.reach()),
+            last_row = std::min(observation.intrinsics().height, hidden_.v1 + index.reach());
+  for (int v = first_row; v < last_row; ++v)
+    for (std::size_t i = observation.row_begin(v); i < observation.row_begin(v + 1); ++i) {
+      const int u = observation.column(i);
+      if (u < hidden_.u0 - index.reach()) continue;
+      if (u >= hidden_.u1 + index.reach()) break;
+      const Window& window = index.window(i);
+      if (!composite.observed.contains(i) || explained.contains(i) || intersection(window, hidden_).empty())
+        continue;
+      const Eigen::Vector3f& p = observation.points()[i];
+      if (hides_.any_of(window, [&](int x, int y) { return near(p, x, y); }) && !still_near(p, window))
+        ++lost;
+    }
+  return lost;
+}
+
+void LoneCost::value_loaded(const DepthPatch& patch, LoneValue& value) {
   value.points = value.unexplained = value.exposed = value.explained_count = 0;
   value.explained.clear();
   value.certain.clear();
   value.uncertain.clear();
   value.shown.clear();
   if (patch.window.empty()) return;
-  load(patch);
   const DeltaIndex& index = cost_.index();
   const int blocks = (area_.width() + lane_count - 1) / lane_count;
   const int block_rows = (area_.height() + lane_count - 1) / lane_count;

@@ -22,21 +22,32 @@ struct LoneValue {
   std::vector<Run> shown;      ///< pixels whose point is explained
 };
 
-/// Values objects alone: the counts of ExplanationCost::change on an empty composite, to the point, in one
-/// pass over the rendered pixels and one over the points of I around them, several at a time. Holds scratch
-/// memory: one a thread.
+/// Values objects alone or beside others: the counts of ExplanationCost::change and counts_with, to the
+/// point, in one pass over the rendered pixels and one over the points of I around them, several at a time.
+/// Holds scratch memory: one a thread.
 class LoneCost {
  public:
   explicit LoneCost(const ExplanationCost& cost) : cost_(cost) {}
 
   /// Writes into `value`, whose memory is reused.
   void value(const DepthPatch& patch, LoneValue& value);
+  /// J's counts after the patch is added to a composite.
+  CostCounts counts_with(const Composite& composite, const DepthPatch& patch);
 
  private:
-  void load(const DepthPatch& patch);
+  /// Takes in the patch, or what of it shows in front of `composite`.
+  void load(const DepthPatch& patch, const Composite* composite);
+  void value_loaded(const DepthPatch& patch, LoneValue& value);
+  /// Counts the composite's unexplained pixels that the patch hides and notes the explained ones in hides_.
+  std::int64_t find_hidden(const Composite& composite, const DepthPatch& patch);
+  /// Points of I that only hidden pixels of the composite explain.
+  std::int64_t lost(const Composite& composite, const PointSet& explained) const;
 
   const ExplanationCost& cost_;
-  Window area_;  ///< pixels whose points the patch may explain
+  LoneValue beside_;
+  BitWindow hides_;
+  Window hidden_;  ///< that holds hides_
+  Window area_;    ///< pixels whose points the patch may explain
   std::size_t pitch_ = 0;
   std::vector<float> rendered_;            ///< depths in area_; after the first pass only explained ones
   std::vector<float> nearest_, farthest_;  ///< explained depths around each block of pixels

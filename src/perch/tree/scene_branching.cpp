@@ -215,8 +215,7 @@ void SceneBranching::complete(const Composite& composite, const Family& family,
       answer.complete = false;
       return;
     }
-    const std::int64_t cost =
-        problem_.cost().counts_with(composite, maker.patch(set_[choice.id]), maker.scratch()).total();
+    const std::int64_t cost = maker.counts_with(composite, set_[choice.id]).total();
     if (cost >= best) continue;
     best = cost;
     std::vector<CandidateId> placed = family.placed;

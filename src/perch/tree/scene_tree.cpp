@@ -231,8 +231,7 @@ std::optional<SceneState> SceneTree::best_child(const State& state,
     const Candidate& candidate = child.made ? *child.made : set_[child.id];
     value(state, parent, candidate, maker, child);
     if (!child.valid) continue;
-    const std::int64_t cost =
-        problem_.cost().counts_with(parent.composite, maker.patch(candidate), maker.scratch()).total();
+    const std::int64_t cost = maker.counts_with(parent.composite, candidate).total();
     if (child.made) child.made->patch = {};
     if (best.valid && cost >= least) continue;
     least = cost;
