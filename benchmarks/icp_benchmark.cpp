@@ -1,4 +1,5 @@
-// ICP in (x, y, yaw), beside the same written plainly on a k-d tree.
+// A round of ICP in (x, y, yaw), from the samples that are visible to the aligned pose, beside the same
+// written plainly on a k-d tree.
 
 #include <benchmark/benchmark.h>
 
@@ -10,33 +11,45 @@
 #include "kd_tree.hpp"
 #include "observed_mug.hpp"
 #include "perch/refine/icp.hpp"
+#include "perch/refine/surface_views.hpp"
+#include "perch/refine/visible_samples.hpp"
 
 namespace perch {
 namespace {
 
 constexpr double reach = 0.02;
 
+/// The mug's own frame is the world's.
 struct Alignment {
   ObservedMug mug;
   RefineSettings settings;
-  Pose start{0.003, 0.0, 0.0};
-  NearestTable table{mug.observation, reach, SerialExecutor()};
-  KdTree tree{mug.observation.points()};
-  std::vector<SurfaceSample> samples;
+  Pose start{0.004, 0.003, 0.05};
+  ObjectModel model{"mug", mug.mesh, Symmetry::none(), 0.0, 0.01};
+  Observation observation{Camera{mug.camera.intrinsics, mug.pose.inverse()}, mug.depth, std::nullopt};
+  Eigen::Vector3d eye = observation.camera().world_from_camera.translation();
+  SurfaceViews views{model, eye.norm(), settings.samples};
+  NearestTable table{observation, reach, SerialExecutor()};
+  std::vector<Eigen::Vector3f> observed = world_points();
+  KdTree tree{observed};
+  SurfaceSamples samples;
+  Sight sight;
 
-  Alignment() { sample_patch(mug.rendered, nullptr, mug.observation, settings, samples); }
-
-  Pose by_table() const { return align(samples, start, false, table, reach, settings); }
+  Pose by_table() {
+    const SurfaceViews::View view = views.from(eye, start);
+    visible_samples(view.samples, {start.x, start.y, view.yaw}, model.origin_z(), nullptr, observation,
+                    settings.occlusion, samples, sight);
+    return align(samples, start, false, table, reach, settings);
+  }
 
   /// Gauss-Newton on point-to-plane distances with the same weights, by homogeneous transforms, in double.
   Pose by_tree() const {
-    const auto& observed = mug.observation.points();
+    const std::vector<Sample> visible = samples_in_view();
     Eigen::Isometry2d moved = Eigen::Isometry2d::Identity();  // of the samples, about the world's origin
     for (int iteration = 0; iteration < settings.iterations; ++iteration) {
       Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
       Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-      for (const SurfaceSample& sample : samples) {
-        Eigen::Vector3d p = sample.point.cast<double>(), n = sample.normal.cast<double>();
+      for (const Sample& sample : visible) {
+        Eigen::Vector3d p = sample.point, n = sample.normal;
         p.head<2>() = moved * p.head<2>();
         n.head<2>() = moved.linear() * n.head<2>();
         const KdTree::Neighbour neighbour = tree.nearest(p.cast<float>());
@@ -54,6 +67,37 @@ struct Alignment {
     const Eigen::Vector2d origin = moved * Eigen::Vector2d(start.x, start.y);
     return {origin.x(), origin.y(), start.yaw + Eigen::Rotation2Dd(moved.linear()).angle()};
   }
+
+ private:
+  struct Sample {
+    Eigen::Vector3d point, normal;  ///< world frame
+  };
+
+  std::vector<Eigen::Vector3f> world_points() const {
+    std::vector<Eigen::Vector3f> points;
+    for (const Eigen::Vector3f& p : observation.points())
+      points.push_back((observation.camera().world_from_camera * p.cast<double>()).cast<float>());
+    return points;
+  }
+
+  std::vector<Sample> samples_in_view() const {
+    const SurfaceViews::View view = views.from(eye, start);
+    const Eigen::Isometry3d world_from_model = model.world_from_model({start.x, start.y, view.yaw});
+    const Eigen::Isometry3d camera_from_world = observation.camera().world_from_camera.inverse();
+    const Intrinsics& k = observation.intrinsics();
+    std::vector<Sample> visible;
+    for (std::size_t i = 0; i < view.samples.size(); ++i) {
+      const Eigen::Vector3d p = world_from_model * view.samples.point(i).cast<double>();
+      const Eigen::Vector3d seen = camera_from_world * p;
+      const auto u = static_cast<int>(std::lround(k.fx * seen.x() / seen.z() + k.cx)),
+                 v = static_cast<int>(std::lround(k.fy * seen.y() / seen.z() + k.cy));
+      if (seen.z() <= 0.0 || u < 0 || v < 0 || u >= k.width || v >= k.height) continue;
+      const double depth = static_cast<double>(observation.depth(u, v));
+      if (depth > 0.0 && seen.z() - depth > settings.occlusion) continue;
+      visible.push_back({p, world_from_model.linear() * view.samples.normal(i).cast<double>()});
+    }
+    return visible;
+  }
 };
 
 bool near(const Pose& a, const Pose& b) {
@@ -61,7 +105,7 @@ bool near(const Pose& a, const Pose& b) {
 }
 
 void align_by_table(benchmark::State& state) {
-  const Alignment alignment;
+  Alignment alignment;
   if (!near(alignment.by_table(), alignment.by_tree())) state.SkipWithError("the poses are not the same");
   for (auto _ : state) benchmark::DoNotOptimize(alignment.by_table());
 }

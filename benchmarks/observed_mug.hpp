@@ -15,6 +15,7 @@ struct ObservedMug {
   Mesh mesh = mug_mesh();
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity(), aside;
   Rasterizer rasterizer;
+  DepthImage depth;  ///< of the camera
   Observation observation;
   DepthPatch rendered;  ///< aside
 
@@ -23,7 +24,8 @@ struct ObservedMug {
         pose(Eigen::Translation3d(0.0, 0.03, 0.8) * Eigen::AngleAxisd(2.2, Eigen::Vector3d::UnitX())),
         aside(Eigen::Translation3d(0.003, 0.0, 0.002) * pose),
         rasterizer(camera.intrinsics),
-        observation(camera, seen(rasterizer.render(mesh, pose)), std::nullopt),
+        depth(seen(rasterizer.render(mesh, pose))),
+        observation(camera, depth, std::nullopt),
         rendered(rasterizer.render(mesh, aside)) {}
 
  private:
