@@ -32,9 +32,14 @@ inline void check_keys(const Json& result) {
   EXPECT_TRUE(guarantee.at("candidates").is_number_integer());
   const Json& stats = result.at("stats");
   EXPECT_THAT(keys(stats), ::testing::UnorderedElementsAre("rendered", "generated", "expanded", "threads",
-                                                           "ranks", "seconds"));
+                                                           "ranks", "work", "seconds"));
   for (const char* key : {"rendered", "generated", "expanded", "threads", "ranks"})
     EXPECT_TRUE(stats.at(key).is_number_integer()) << key;
+  EXPECT_THAT(keys(stats.at("work")), ::testing::UnorderedElementsAre("renderings", "alignments", "pixels"));
+  for (const Json& count : stats.at("work")) {
+    EXPECT_TRUE(count.is_number_integer());
+    EXPECT_GE(count, 0);
+  }
   EXPECT_THAT(keys(stats.at("seconds")), ::testing::UnorderedElementsAre("total", "render", "refine", "cost",
                                                                          "candidates", "search", "polish"));
   for (const Json& seconds : stats.at("seconds")) EXPECT_TRUE(seconds.is_number());

@@ -8,9 +8,11 @@ namespace perch {
 CandidateMaker::CandidateMaker(const LocalizationProblem& problem)
     : problem_(problem), rasterizer_(problem.observation().intrinsics()), lone_cost_(problem.cost()) {}
 
-void CandidateMaker::render(std::size_t model, const Pose& pose) {
+void CandidateMaker::render(std::size_t model, const Pose& pose, DepthPatch& patch) {
   const ThreadStopwatch watch;
-  problem_.render(model, pose, rasterizer_, patch_);
+  problem_.render(model, pose, rasterizer_, patch);
+  ++work_.renderings;
+  work_.pixels += std::int64_t{patch.window.width()} * patch.window.height();
   seconds_.render += watch.seconds();
 }
 
@@ -69,6 +71,7 @@ Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const Dept
     sample(model, pose, in_front);
     Pose moved = align(samples_, pose, symmetry.is_continuous(), *problem_.nearest(), settings.icp_reach(),
                        settings.refine);
+    ++work_.alignments;
     moved.x = std::clamp(moved.x, workspace.x_min, workspace.x_max);
     moved.y = std::clamp(moved.y, workspace.y_min, workspace.y_max);
     moved.yaw = symmetry.canonical_yaw(moved.yaw);

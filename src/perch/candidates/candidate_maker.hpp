@@ -5,6 +5,7 @@
 
 #include "perch/candidates/candidate.hpp"
 #include "perch/candidates/problem.hpp"
+#include "perch/candidates/work.hpp"
 #include "perch/cost/lone_cost.hpp"
 #include "perch/refine/visible_samples.hpp"
 #include "perch/render/rasterizer.hpp"
@@ -58,6 +59,8 @@ class CandidateMaker {
   void add_volumes(Candidate& candidate) const;
   /// The candidate's rendering: the one it keeps, or a new one, which holds until the next call.
   const DepthPatch& patch(const Candidate& candidate);
+  /// Renders an object at a pose into `patch`, whose memory is reused.
+  void render(std::size_t model, const Pose& pose, DepthPatch& patch);
 
   /// J's counts with a candidate added to a composite.
   CostCounts counts_with(const Composite& composite, const Candidate& candidate) {
@@ -65,9 +68,10 @@ class CandidateMaker {
   }
   CostChange& scratch() { return change_; }
   const StageSeconds& seconds() const { return seconds_; }
+  const Work& work() const { return work_; }
 
  private:
-  void render(std::size_t model, const Pose& pose);
+  void render(std::size_t model, const Pose& pose) { render(model, pose, patch_); }
   /// Writes what of an object ICP can make use of into samples_.
   void sample(std::size_t model, const Pose& pose, const DepthPatch* in_front);
   Pose refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front);
@@ -82,6 +86,7 @@ class CandidateMaker {
   SurfaceSamples samples_;
   Sight seen_;
   StageSeconds seconds_;
+  Work work_;
 };
 
 }  // namespace perch

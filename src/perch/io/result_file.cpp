@@ -155,6 +155,10 @@ class ResultReader {
                  stage("candidates"),
                  seconds["search"].number(),
                  stage("polish")};
+    if (entry.contains("work")) {
+      const JsonEntry work = entry["work"];
+      s.work = {work["renderings"].integer(), work["alignments"].integer(), work["pixels"].integer()};
+    }
     return s;
   }
 

@@ -76,6 +76,7 @@ TEST(ResultFile, ReadsWhatIsWritten) {
   EXPECT_EQ(read_back.stats.rendered, 15564);
   EXPECT_EQ(read_back.stats.threads, 4);
   EXPECT_EQ(read_back.stats.seconds.search, 0.1);
+  EXPECT_EQ(read_back.stats.work, r.stats.work);
 }
 
 TEST(ResultFile, ReadsNullsAndAbsentObjects) {
@@ -147,6 +148,7 @@ TEST(ResultFile, RefusesWhatIsNoResult) {
       {[](Json& r) { r["search_objects"] = Json(1001, r["search_objects"][0]); }, {"search_objects", "1001"}},
       {[](Json& r) { r["stats"]["threads"] = 0; }, {"stats.threads", "0"}},
       {[](Json& r) { r["stats"]["seconds"]["total"] = "1"; }, {"stats.seconds.total"}},
+      {[](Json& r) { r["stats"]["work"]["pixels"] = 0.5; }, {"stats.work.pixels", "0.5"}},
   };
   for (const Broken& broken : all) {
     Json json = Json::parse(to_json(a_result()));
@@ -174,8 +176,8 @@ TEST(ResultFile, EveryKeyMustBeThere) {
   Json json = Json::parse(to_json(a_result()));
   int keys = 0;
   for_each_key(json, [&](Json& owner, const std::string& key) {
-    for (const char* may_lack : {"reason", "confidence", "runner_up", "candidates", "polish"})
-      if (key == may_lack && !owner.contains("w")) return;  // words, estimates and times of stages
+    for (const char* may_lack : {"reason", "confidence", "runner_up", "candidates", "polish", "work"})
+      if (key == may_lack && !owner.contains("w")) return;  // words, estimates, times of stages, counters
     ++keys;
     const Json kept = owner;
     owner.erase(key);

@@ -64,6 +64,8 @@ Json to_value(const Stats& s) {
           {"expanded", s.expanded},
           {"threads", s.threads},
           {"ranks", s.ranks},
+          {"work",
+           {{"renderings", s.work.renderings}, {"alignments", s.work.alignments}, {"pixels", s.work.pixels}}},
           {"seconds",
            {{"total", s.seconds.total},
             {"render", s.seconds.render},

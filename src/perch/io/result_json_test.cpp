@@ -64,7 +64,9 @@ TEST(ResultJson, ReadsBackToTheBit) {
       EXPECT_EQ(o["camera_from_model"][i][k].get<double>(), r.objects[0].camera_from_model.matrix()(i, k));
     }
   EXPECT_EQ(o["visible_pixels"], 2210);
-  EXPECT_EQ(keys(j["stats"]), (Keys{"rendered", "generated", "expanded", "threads", "ranks", "seconds"}));
+  EXPECT_EQ(keys(j["stats"]),
+            (Keys{"rendered", "generated", "expanded", "threads", "ranks", "work", "seconds"}));
+  EXPECT_EQ(j["stats"]["work"], (Json{{"renderings", 1800}, {"alignments", 31000}, {"pixels", 21000000}}));
   EXPECT_EQ(keys(j["stats"]["seconds"]),
             (Keys{"total", "render", "refine", "cost", "candidates", "search", "polish"}));
   EXPECT_EQ(j["stats"]["seconds"]["search"].get<double>(), 0.1);

@@ -36,7 +36,7 @@ inline Result a_result() {
   r.objects[0].confidence = 0.75;
   r.objects[0].runner_up = RunnerUp{{0.5, 0.25, -0.125}, -3};
   r.objects[1].model = "can\xff";
-  r.stats = {15564, 100, 7, 4, 2, {1.5, 0.25, 0.5, 0.125, 0.2, 0.1, 0.3}};
+  r.stats = {15564, 100, 7, 4, 2, {1.5, 0.25, 0.5, 0.125, 0.2, 0.1, 0.3}, {1800, 31000, 21000000}};
   return r;
 }
 

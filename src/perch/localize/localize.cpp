@@ -182,7 +182,10 @@ class Localization {
   void finish() {
     if (result_.search_cost) polish_and_judge();
     StageSeconds stages;
-    for (const CandidateMaker& maker : makers_) stages += maker.seconds();
+    for (const CandidateMaker& maker : makers_) {
+      stages += maker.seconds();
+      result_.stats.work += maker.work();
+    }
     Seconds& seconds = result_.stats.seconds;
     seconds.render = stages.render;
     seconds.refine = stages.refine;

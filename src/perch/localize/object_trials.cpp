@@ -6,11 +6,7 @@ namespace perch {
 
 ObjectTrials::ObjectTrials(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
                            const Executor& executor, const StopCondition& stop)
-    : problem_(problem),
-      makers_(makers),
-      executor_(executor),
-      stop_(stop),
-      rasterizer_(problem.observation().intrinsics()) {}
+    : problem_(problem), makers_(makers), executor_(executor), stop_(stop) {}
 
 void ObjectTrials::take_out(const std::vector<PlacedModel>& scene, std::size_t place) {
   model_ = scene[place].model;
@@ -31,7 +27,7 @@ const DepthPatch& ObjectTrials::drawing(const std::vector<PlacedModel>& scene, s
   const PlacedModel& object = scene[place];
   PlacedModel& drawn = drawn_[place];
   if (drawings_[place].window.empty() || drawn.model != object.model || !(drawn.pose == object.pose)) {
-    problem_.render(object.model, object.pose, rasterizer_, drawings_[place]);
+    makers_.front().render(object.model, object.pose, drawings_[place]);
     drawn = object;
   }
   return drawings_[place];

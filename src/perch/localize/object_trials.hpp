@@ -76,7 +76,6 @@ class ObjectTrials {
   std::vector<PlacedModel> standing_;  ///< the other objects
   Composite others_;
   CostChange scratch_;
-  Rasterizer rasterizer_;
   std::vector<PlacedModel> drawn_;
   std::vector<DepthPatch> drawings_;  ///< of drawn_
   std::int64_t count_ = 0;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "perch/candidates/work.hpp"
 #include "perch/core/pose.hpp"
 
 namespace perch {
@@ -87,6 +88,7 @@ struct Stats {
   int threads = 1;
   int ranks = 1;
   Seconds seconds;
+  Work work;  ///< up to the report, whose own renderings are left out
 };
 
 /// How good the answer was at some time: written when the scene or its bound got better.
