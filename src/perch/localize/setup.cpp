@@ -37,6 +37,7 @@ std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Sett
           stop))
     throw Interrupted();
   std::vector<ObjectModel> models;
+  models.reserve(2 * made.size());
   for (auto& model : made) models.push_back(std::move(*model));
 
   // Objects of one model are interchangeable, and all of them optional or none: where a scene has both kinds,

@@ -16,8 +16,8 @@ struct RefineSettings {
   RefineMethod method = RefineMethod::icp;
   std::optional<double> reach;  ///< farthest correspondence, metres; half the grid step where not set
   int rounds = 2;               ///< times that the object is looked at anew and aligned
-  int iterations = 10;          ///< of one round, at most
-  int samples = 400;            ///< points of the object's surface used in a round, about
+  int iterations = 30;          ///< of one round, at most
+  int samples = 250;            ///< points of the object's surface used in a round, about
   double least_matched = 0.1;   ///< share of the samples that must find a point of I, or nothing is moved
   double robust_scale = 0.003;  ///< residual at which a point's weight is halved, metres
   double occlusion = 0.02;      ///< a point this far behind the observed one is taken as hidden, metres
