@@ -80,8 +80,8 @@ class Localization {
   bool make_candidates() {
     log_.stage("candidates");
     const Stopwatch watch;
-    const bool complete =
-        candidates_.refine(search_stop_) && (!settings_.exhaustive || candidates_.value_all(search_stop_));
+    const bool lazily = !settings_.exhaustive && settings_.search_method() == SearchMethod::branch_and_bound;
+    const bool complete = candidates_.refine(search_stop_) && (lazily || candidates_.value_all(search_stop_));
     result_.stats.seconds.candidates = watch.seconds();
     result_.stats.rendered = candidates_.hypotheses();
     result_.guarantee.candidates = candidates_.count();
