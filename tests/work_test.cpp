@@ -75,10 +75,11 @@ TEST_P(WorkTest, StaysWithinItsBounds) {
                  alignments_after_search);
 }
 
-TEST_P(WorkTest, IsTheSameForEveryExecutorAndInstructionSet) {
-  const Stats serial = localized(GetParam(), 1), threads = localized(GetParam(), 4);
+TEST(Work, IsTheSameForEveryExecutorAndInstructionSet) {
+  const Budget& budget = budgets[1];
+  const Stats serial = localized(budget, 1), threads = localized(budget, 4);
   use_instruction_set(InstructionSet::baseline);
-  const Stats baseline = localized(GetParam(), 4);
+  const Stats baseline = localized(budget, 4);
   use_instruction_set(InstructionSet::x86_64_v4);
   for (const Stats* other : {&threads, &baseline}) {
     SCOPED_TRACE(other == &threads ? "4 threads" : "4 threads, baseline instruction set");

@@ -131,7 +131,7 @@ void look_from_many_sides(const Body& body, const Check& check) {
 }
 
 // At the pose asked for, though the view may be that of another yaw where the object is symmetric.
-TEST(SurfaceViews, SamplesLieOnTheSurface) {
+TEST(SurfaceViewsHeavy, SamplesLieOnTheSurface) {
   for (const Body& body : bodies())
     look_from_many_sides(body, [&](const Placed& samples, const std::vector<Corners>& triangles,
                                    const Eigen::Vector3d& /*eye*/, Random& /*random*/) {
@@ -145,7 +145,7 @@ TEST(SurfaceViews, SamplesLieOnTheSurface) {
 
 // Where the surface around is smooth. Not where a nearer part of the body ends in front of it: a normal from
 // differences may take that part's depth for its neighbour's, if they lie only a few centimetres apart.
-TEST(SurfaceViews, NormalsAreThoseOfTheSurface) {
+TEST(SurfaceViewsHeavy, NormalsAreThoseOfTheSurface) {
   constexpr double around = 0.003;  // metres: more than two pixels of the rendering
   for (const Body& body : bodies()) {
     std::size_t smooth = 0, wrong = 0, all = 0;
