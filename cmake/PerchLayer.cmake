@@ -7,6 +7,8 @@ add_library(perch_options INTERFACE)
 target_compile_features(perch_options INTERFACE cxx_std_20)
 # Exact and the same on every machine: no fused multiply-add unless every path has it, no fast-math.
 target_compile_options(perch_options INTERFACE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off)
+# The same roots without a call for those of negative numbers, which only sets errno.
+target_compile_options(perch_options INTERFACE -fno-math-errno)
 # Vectors are passed between inlined functions only (core/lanes.inc), where no calling convention is at stake.
 target_compile_options(perch_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>)
 if(PERCH_UNITY)

@@ -1,6 +1,7 @@
 #include "perch/cost/lone_cost.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 
@@ -11,21 +12,36 @@ namespace {
 
 /// What the two passes go by.
 struct LoneFrame {
-  const DeltaIndex* index;
   const PixelRows* rows;
   const float *slope_x, *slope_y;
   float delta, delta_squared;
+  float ball_reach;  ///< pixels at a distance of 1 m
+  int most_reach;
   std::uint32_t image_width;
+  int image_height;
   Window patch, area;
   float* rendered;  ///< of area, which is `blocks` times lane_count wide
   std::ptrdiff_t pitch;
   int blocks;
   float *nearest, *farthest;  ///< of blocks of lane_count columns and rows
 
-  Window window_of(const float* p) const {
-    return ball_window(index->observation().intrinsics(), Eigen::Vector3f(p[0], p[1], p[2]), index->delta());
+  /// Rows and columns from the pixel that a point at depth z is seen at to any within delta of it. The slopes
+  /// x / z of a ball around a point lie within delta sqrt(1 + (x / z)^2) / (z - delta) of the point's own.
+  int reach_at(float z) const {
+    constexpr float slack = 0.1F;  // pixels; of rounding
+    const float reach = z > delta ? ball_reach / (z - delta) + slack : static_cast<float>(most_reach);
+    return reach < static_cast<float>(most_reach) ? static_cast<int>(reach) : most_reach;
   }
 };
+
+/// LoneFrame::ball_reach for any point that is in the image.
+float ball_reach(const DeltaIndex& index) {
+  const Intrinsics& k = index.observation().intrinsics();
+  const RaySlopes& rays = index.observation().rays();
+  const float x = std::max(std::abs(rays.x(0)), std::abs(rays.x(k.width - 1)));
+  const float y = std::max(std::abs(rays.y(0)), std::abs(rays.y(k.height - 1)));
+  return static_cast<float>(index.delta() * std::max(k.fx, k.fy)) * std::hypot(1.0F, std::max(x, y));
+}
 
 }  // namespace
 }  // namespace perch
@@ -52,18 +68,22 @@ void widen(const std::vector<float>& from, std::vector<float>& to, int count, st
 
 }  // namespace
 
+LoneCost::LoneCost(const ExplanationCost& cost) : cost_(cost), ball_reach_(ball_reach(cost.index())) {}
+
 void LoneCost::load(const DepthPatch& patch, const Composite* composite) {
   const Intrinsics& intrinsics = cost_.observation().intrinsics();
   const int reach = cost_.index().reach();
   area_ = intersection(
       {patch.window.u0 - reach, patch.window.v0 - reach, patch.window.u1 + reach, patch.window.v1 + reach},
       intrinsics.window());
+  // Read in whole lanes, and as far beside them as a ball reaches.
   const int blocks = (area_.width() + lane_count - 1) / lane_count;
-  pitch_ = static_cast<std::size_t>(blocks + 1) * lane_count;
-  rendered_.assign(pitch_ * static_cast<std::size_t>(area_.height()), no_surface);
+  pitch_ = static_cast<std::size_t>(blocks * lane_count + reach);
+  rendered_.assign(pitch_ * static_cast<std::size_t>(area_.height()) + 2 * static_cast<std::size_t>(reach),
+                   no_surface);
   const Window common = composite == nullptr ? Window() : intersection(patch.window, composite->depth.window);
   for (int v = patch.window.v0; v < patch.window.v1; ++v) {
-    float* row = rendered_.data() + static_cast<std::size_t>(v - area_.v0) * pitch_ - area_.u0;
+    float* row = rendered_row(v);
     std::copy_n(patch.row(v), patch.window.width(), row + patch.window.u0);
     if (v >= common.v0 && v < common.v1 && !common.empty()) {
       const float* front = composite->depth.row(v) - composite->depth.window.u0;
@@ -100,7 +120,7 @@ std::int64_t LoneCost::find_hidden(const Composite& composite, const DepthPatch&
   if (common.empty()) return unexplained;
   hides_.reset(common);
   for (int v = common.v0; v < common.v1; ++v) {
-    const float* shown = rendered_.data() + static_cast<std::size_t>(v - area_.v0) * pitch_ - area_.u0;
+    const float* shown = rendered_row(v);
     const float* before = composite.depth.row(v) - composite.depth.window.u0;
     const std::uint8_t* explained =
         composite.explained.data() + composite.depth.index(composite.depth.window.u0, v);
@@ -164,16 +184,19 @@ void LoneCost::value_loaded(const DepthPatch& patch, LoneValue& value) {
   const std::size_t size = static_cast<std::size_t>(blocks) * static_cast<std::size_t>(block_rows);
   nearest_.assign(size, no_surface);
   farthest_.assign(size, -no_surface);
-  const LoneFrame frame{&index,
-                        &index.rows(),
-                        index.rows().slope_x.data(),
+  const Intrinsics& intrinsics = cost_.observation().intrinsics();
+  const LoneFrame frame{&index.rows(),
+                        index.rows().slopes(),
                         index.rows().slope_y.data(),
                         static_cast<float>(index.delta()),
                         index.delta_squared(),
-                        static_cast<std::uint32_t>(cost_.observation().intrinsics().width),
+                        ball_reach_,
+                        index.reach(),
+                        static_cast<std::uint32_t>(intrinsics.width),
+                        intrinsics.height,
                         patch.window,
                         area_,
-                        rendered_.data(),
+                        rendered_row(area_.v0) + area_.u0,
                         static_cast<std::ptrdiff_t>(pitch_),
                         blocks,
                         nearest_.data(),

@@ -27,7 +27,7 @@ struct LoneValue {
 /// Holds scratch memory: one a thread.
 class LoneCost {
  public:
-  explicit LoneCost(const ExplanationCost& cost) : cost_(cost) {}
+  explicit LoneCost(const ExplanationCost& cost);
 
   /// Writes into `value`, whose memory is reused.
   void value(const DepthPatch& patch, LoneValue& value);
@@ -43,7 +43,14 @@ class LoneCost {
   /// Points of I that only hidden pixels of the composite explain.
   std::int64_t lost(const Composite& composite, const PointSet& explained) const;
 
+  /// A row of rendered_ as seen from column 0 of the image.
+  float* rendered_row(int v) {
+    return rendered_.data() + static_cast<std::size_t>(v - area_.v0) * pitch_ + cost_.index().reach() -
+           area_.u0;
+  }
+
   const ExplanationCost& cost_;
+  float ball_reach_;  ///< pixels that a ball of radius delta reaches from its middle, at a distance of 1 m
   LoneValue beside_;
   BitWindow hides_;
   Window hidden_;  ///< that holds hides_

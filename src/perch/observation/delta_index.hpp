@@ -22,8 +22,8 @@ inline bool within_delta(const Eigen::Vector3f& a, const Eigen::Vector3f& b, flo
 Window ball_window(const Intrinsics& intrinsics, const Eigen::Vector3f& p, double delta);
 
 /// Answers "is this rendered point within delta of a point of I?" without a search through I. For each pixel
-/// it holds the intervals of depth, on the pixel's ray, that lie within delta of some point of I; an interval
-/// is a hair too wide, and what falls into one is confirmed by the delta test itself, so that answers equal
+/// it holds the least and the greatest depth, on the pixel's ray, that lie within delta of a point of I; both
+/// a hair too far out, and what lies between is confirmed by the delta test itself, so that answers equal
 /// brute force to the bit.
 class DeltaIndex {
  public:
@@ -37,11 +37,9 @@ class DeltaIndex {
   /// True when the point of pixel (u, v) at depth z (> 0, finite) is within delta of a point of I.
   bool explained(int u, int v, float z) const;
   /// True only if no point of the pixel's ray at a depth in [z - reach, z] is within delta of a point of I.
-  bool unexplained_throughout(int u, int v, float z, float reach) const;
-  /// False only if explained() is.
-  bool may_be_explained(int u, int v, float z) const {
-    const Interval* interval = interval_from(u, v, z);
-    return interval != nullptr && interval->low <= z;
+  bool unexplained_throughout(int u, int v, float z, float reach) const {
+    const std::size_t pixel = rows_.row(v) + static_cast<std::size_t>(u);
+    return z < rows_.nearest[pixel] || z - reach > rows_.farthest[pixel];
   }
   const Observation& observation() const { return observation_; }
   const PixelRows& rows() const { return rows_; }
@@ -51,25 +49,13 @@ class DeltaIndex {
   int reach() const { return reach_; }
 
  private:
-  struct Interval {
-    float low, high;
-  };
-  /// The first interval of the pixel that ends at or after z, or nullptr.
-  const Interval* interval_from(int u, int v, float z) const;
   bool near_observed(int u, int v, float z) const;
-  std::size_t pixel_number(int u, int v) const {
-    return static_cast<std::size_t>(v - covered_.v0) * static_cast<std::size_t>(covered_.width()) +
-           static_cast<std::size_t>(u - covered_.u0);
-  }
 
   const Observation& observation_;
   double delta_;
   float delta_squared_;
-  int reach_ = 0;
   std::vector<Window> windows_;
-  Window covered_;                    ///< outside it no ray comes near a point of I
-  std::vector<std::uint32_t> first_;  ///< of each pixel of covered_, and one past the last
-  std::vector<Interval> intervals_;
+  int reach_;
   PixelRows rows_;
 };
 
