@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include "cancelling_executor.hpp"
@@ -244,7 +245,7 @@ TEST(ObjectTrials, CountAsBruteForceDoes) {
         batch.push_back(
             {{random.uniform(-0.25, 0.25), random.uniform(-0.2, 0.2), random.uniform(-4, 4)}, i % 2 == 0});
       std::vector<std::optional<TrialResult>> answers;
-      ASSERT_TRUE(trials.run(batch, answers));
+      ASSERT_TRUE(trials.run(batch, std::numeric_limits<std::int64_t>::max(), answers));
       for (std::size_t i = 0; i < batch.size(); ++i) {
         std::vector<PlacedModel> scene = truth.placed;
         if (answers[i]) {

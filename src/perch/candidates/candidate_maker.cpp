@@ -29,19 +29,20 @@ std::optional<Candidate> CandidateMaker::value(std::size_t model, const Pose& po
 }
 
 std::optional<Placing> CandidateMaker::place(const Composite& others, std::size_t model, const Pose& pose,
-                                             bool align) {
+                                             bool align, std::int64_t most) {
   const bool refines = problem_.nearest() != nullptr;
   Placing placing{align && refines ? refine(model, pose, &others.depth) : pose, {}};
   render(model, placing.pose);
   if (!patch_.any()) return std::nullopt;
   const ThreadStopwatch watch;
-  placing.counts = lone_cost_.counts_with(others, patch_);
-  if (refines) {
+  const auto counts = lone_cost_.counts_with(others, patch_, most);
+  if (counts) placing.counts = *counts;
+  if (counts && refines) {
     sample(model, placing.pose, &others.depth);
     placing.residual = mean_residual(samples_, *problem_.nearest(), problem_.settings().cost.delta);
   }
   seconds_.cost += watch.seconds();
-  return placing;
+  return counts ? std::optional(placing) : std::nullopt;
 }
 
 void CandidateMaker::sample(std::size_t model, const Pose& pose, const DepthPatch* in_front) {

@@ -53,8 +53,10 @@ class CandidateMaker {
   /// Values an object at a pose as it is; empty where no pixel is in view.
   std::optional<Candidate> value(std::size_t model, const Pose& pose);
   /// J's counts with an object added to a composite at a pose as it is or, where `align`, as ICP makes it
-  /// with the composite hiding part of the object; empty where no pixel of it is in view.
-  std::optional<Placing> place(const Composite& others, std::size_t model, const Pose& pose, bool align);
+  /// with the composite hiding part of the object; empty where no pixel of it is in view or J is more than
+  /// `most`.
+  std::optional<Placing> place(const Composite& others, std::size_t model, const Pose& pose, bool align,
+                               std::int64_t most);
   /// Fills in `enclosed` and `reached`.
   void add_volumes(Candidate& candidate) const;
   /// The candidate's rendering: the one it keeps, or a new one, which holds until the next call.
@@ -62,9 +64,11 @@ class CandidateMaker {
   /// Renders an object at a pose into `patch`, whose memory is reused.
   void render(std::size_t model, const Pose& pose, DepthPatch& patch);
 
-  /// J's counts with a candidate added to a composite.
-  CostCounts counts_with(const Composite& composite, const Candidate& candidate) {
-    return lone_cost_.counts_with(composite, patch(candidate));
+  /// J with a candidate added to a composite; empty where it is more than `most`.
+  std::optional<std::int64_t> cost_with(const Composite& composite, const Candidate& candidate,
+                                        std::int64_t most) {
+    const auto counts = lone_cost_.counts_with(composite, patch(candidate), most);
+    return counts ? std::optional(counts->total()) : std::nullopt;
   }
   CostChange& scratch() { return change_; }
   const StageSeconds& seconds() const { return seconds_; }

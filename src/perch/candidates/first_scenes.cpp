@@ -100,23 +100,21 @@ class SceneBuilder {
     }
     std::sort(ranked.begin(), ranked.end());
     bool changed = false;
-    std::vector<std::int64_t> costs;
+    std::vector<std::optional<std::int64_t>> costs;
     for (std::size_t i = 0; i < std::min(ranked.size(), most_exchanges); i += exchange_batch) {
       if (-ranked[i].gain >= scene.cost) break;
       const std::size_t size = std::min(exchange_batch, ranked.size() - i);
-      costs.assign(size, -1);
+      costs.assign(size, std::nullopt);
       executor_.for_each(
           size,
           [&](std::size_t k, std::size_t worker) {
             const CandidateId id = ranked[i + k].id;
-            if (!fits(id, others)) return;
-            CandidateMaker& own = makers_[worker];
-            costs[k] = own.counts_with(composite, set_[id]).total();
+            if (fits(id, others)) costs[k] = makers_[worker].cost_with(composite, set_[id], scene.cost - 1);
           },
           stop_);
       for (std::size_t k = 0; k < size; ++k)
-        if (costs[k] >= 0 && costs[k] < scene.cost) {
-          scene.cost = costs[k];
+        if (costs[k] && *costs[k] < scene.cost) {
+          scene.cost = *costs[k];
           scene.candidates[place] = ranked[i + k].id;
           changed = true;
         }

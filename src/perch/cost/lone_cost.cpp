@@ -97,20 +97,42 @@ void LoneCost::load(const DepthPatch& patch, const Composite* composite) {
 
 void LoneCost::value(const DepthPatch& patch, LoneValue& value) {
   if (!patch.window.empty()) load(patch, nullptr);
-  value_loaded(patch, value);
+  value_loaded(patch, value, std::numeric_limits<std::int64_t>::max());
 }
 
-CostCounts LoneCost::counts_with(const Composite& composite, const DepthPatch& patch) {
+std::optional<CostCounts> LoneCost::counts_with(const Composite& composite, const DepthPatch& patch,
+                                                std::int64_t most) {
   CostCounts counts = cost_.counts(composite);
-  if (patch.window.empty()) return counts;
+  if (!patch.window.empty() && !add(composite, patch, most, counts)) return std::nullopt;
+  if (counts.total() > most) return std::nullopt;
+  return counts;
+}
+
+bool LoneCost::add(const Composite& composite, const DepthPatch& patch, std::int64_t most,
+                   CostCounts& counts) {
   load(patch, &composite);
   counts.rendered -= find_hidden(composite, patch);
-  value_loaded(patch, beside_);
+  // Nothing that is hidden makes a point of I explained.
+  const std::int64_t least = counts.total() - most_gained(composite);
+  if (!value_loaded(patch, beside_, most - least)) return false;
   const PointSet explained(beside_.explained);
   counts.rendered += beside_.unexplained;
   counts.observed -= static_cast<std::int64_t>(explained.count_not_in(composite.observed));
   if (!hidden_.empty()) counts.observed += lost(composite, explained);
-  return counts;
+  return true;
+}
+
+std::int64_t LoneCost::most_gained(const Composite& composite) const {
+  const PixelRows& rows = cost_.index().rows();
+  std::int64_t gained = 0;
+  for (int v = area_.v0; v < area_.v1; ++v) {
+    const std::uint32_t* numbers = rows.number.data() + rows.row(v);
+    const std::size_t first = numbers[area_.u0], last = area_.u1 < cost_.observation().intrinsics().width
+                                                            ? numbers[area_.u1]
+                                                            : cost_.observation().row_begin(v + 1);
+    gained += static_cast<std::int64_t>(last - first - composite.observed.count_between(first, last));
+  }
+  return gained;
 }
 
 std::int64_t LoneCost::find_hidden(const Composite& composite, const DepthPatch& patch) {
@@ -171,13 +193,13 @@ std::int64_t LoneCost::lost(const Composite& composite, const PointSet& explaine
   return lost;
 }
 
-void LoneCost::value_loaded(const DepthPatch& patch, LoneValue& value) {
+bool LoneCost::value_loaded(const DepthPatch& patch, LoneValue& value, std::int64_t most_unexplained) {
   value.points = value.unexplained = value.exposed = value.explained_count = 0;
   value.explained.clear();
   value.certain.clear();
   value.uncertain.clear();
   value.shown.clear();
-  if (patch.window.empty()) return;
+  if (patch.window.empty()) return true;
   const DeltaIndex& index = cost_.index();
   const int blocks = (area_.width() + lane_count - 1) / lane_count;
   const int block_rows = (area_.height() + lane_count - 1) / lane_count;
@@ -201,8 +223,8 @@ void LoneCost::value_loaded(const DepthPatch& patch, LoneValue& value) {
                         blocks,
                         nearest_.data(),
                         farthest_.data()};
-  PERCH_CALL(value_rendered, frame, value);
-  if (value.unexplained == value.points) return;
+  if (!PERCH_CALL(value_rendered, frame, most_unexplained, value)) return false;
+  if (value.unexplained == value.points) return true;
   // The explained depths that a point of I in a block can be near.
   const int reach = (index.reach() + lane_count - 1) / lane_count;
   row_nearest_.resize(size);
@@ -214,6 +236,7 @@ void LoneCost::value_loaded(const DepthPatch& patch, LoneValue& value) {
   widen(farthest_, row_farthest_, blocks, 1, block_rows, blocks, reach, more);
   widen(row_farthest_, farthest_, block_rows, blocks, blocks, 1, reach, more);
   PERCH_CALL(value_observed, frame, value);
+  return true;
 }
 
 }  // namespace perch

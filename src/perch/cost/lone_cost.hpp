@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "perch/cost/explanation_cost.hpp"
@@ -31,13 +33,21 @@ class LoneCost {
 
   /// Writes into `value`, whose memory is reused.
   void value(const DepthPatch& patch, LoneValue& value);
-  /// J's counts after the patch is added to a composite.
-  CostCounts counts_with(const Composite& composite, const DepthPatch& patch);
+  /// J's counts after the patch is added to a composite; empty where J is more than `most`, which takes less
+  /// work to find out.
+  std::optional<CostCounts> counts_with(const Composite& composite, const DepthPatch& patch,
+                                        std::int64_t most);
 
  private:
   /// Takes in the patch, or what of it shows in front of `composite`.
   void load(const DepthPatch& patch, const Composite* composite);
-  void value_loaded(const DepthPatch& patch, LoneValue& value);
+  /// False, and the value incomplete, where more rendered points than this are unexplained.
+  bool value_loaded(const DepthPatch& patch, LoneValue& value, std::int64_t most_unexplained);
+  /// The most points of I that the composite does not explain and the patch may.
+  std::int64_t most_gained(const Composite& composite) const;
+  /// What the patch changes of the composite's counts; false, and these incomplete, where J is sure to become
+  /// more than `most`.
+  bool add(const Composite& composite, const DepthPatch& patch, std::int64_t most, CostCounts& counts);
   /// Counts the composite's unexplained pixels that the patch hides and notes the explained ones in hides_.
   std::int64_t find_hidden(const Composite& composite, const DepthPatch& patch);
   /// Points of I that only hidden pixels of the composite explain.

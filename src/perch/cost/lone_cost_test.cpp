@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "perch/core/instruction_set.hpp"
 #include "perch/cost/random_scene_test_support.hpp"
 
@@ -71,6 +73,37 @@ class LoneCostTest : public testing::Test {
     return explained;
   }
 };
+
+TEST_F(LoneCostTest, CountsBesideOthersAsTheGeneralCost) {
+  std::int64_t hidden = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const RandomScene scene = random_scene(seed, 4);
+    const SerialExecutor executor;
+    const Observation observation(scene.camera, scene.depth, scene.mask);
+    const DeltaIndex index(observation, scene.delta, executor);
+    for (const MissingDepth missing : {MissingDepth::unexplained, MissingDepth::ignore}) {
+      const ExplanationCost cost(observation, index, missing);
+      Composite composite = cost.empty();
+      CostChange scratch;
+      for (const DepthPatch& patch : scene.patches) {
+        const CostCounts expected = cost.counts_with(composite, patch, scratch);
+        hidden += static_cast<std::int64_t>(scratch.lost.size());
+        for (const InstructionSet set :
+             {InstructionSet::baseline, InstructionSet::x86_64_v3, InstructionSet::x86_64_v4}) {
+          use_instruction_set(set);
+          LoneCost lone(cost);
+          EXPECT_EQ(lone.counts_with(composite, patch, std::numeric_limits<std::int64_t>::max()), expected);
+          EXPECT_EQ(lone.counts_with(composite, patch, expected.total()), expected);
+          EXPECT_FALSE(lone.counts_with(composite, patch, expected.total() - 1));
+        }
+        cost.add(composite, patch, scratch);
+      }
+    }
+    ASSERT_FALSE(testing::Test::HasFailure());
+  }
+  EXPECT_GT(hidden, 300);
+}
 
 TEST_F(LoneCostTest, EqualsTheGeneralCount) {
   std::size_t explained = 0;

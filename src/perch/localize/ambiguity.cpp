@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -70,8 +71,12 @@ class Judge {
     if (!answer) return judgement;  // none of it is in view
     judgement.visible = trials_.visible_points(scene.placed, place);
     judgement.support = trials_.cost_without() - answer->cost;
+    close_limit_ =
+        answer->cost +
+        static_cast<std::int64_t>(
+            close_call * std::sqrt(static_cast<double>(std::max<std::int64_t>(1, judgement.support))));
     const Neighbourhood own(answer->pose, trials_.model().symmetry(), settings_);
-    if (!find_others(own) || !move_downhill(own, *answer)) return std::nullopt;
+    if (!find_others(own) || !move_downhill(own)) return std::nullopt;
 
     std::optional<std::int64_t> increase;
     if (!found_.empty()) {
@@ -127,13 +132,10 @@ class Judge {
 
   /// Moves the best few of those found, each another pose than the others, as far down as they get outside
   /// the answer's neighbourhood. False where the stop condition struck.
-  bool move_downhill(const Neighbourhood& own, const TrialResult& answer) {
-    const double support =
-        static_cast<double>(std::max<std::int64_t>(1, trials_.cost_without() - answer.cost));
-    const std::int64_t limit = answer.cost + static_cast<std::int64_t>(close_call * std::sqrt(support));
+  bool move_downhill(const Neighbourhood& own) {
     std::vector<TrialResult> starts;
     for (const TrialResult& other : found_) {
-      if (starts.size() == static_cast<std::size_t>(settings_.descents) || other.cost > limit) break;
+      if (starts.size() == static_cast<std::size_t>(settings_.descents) || other.cost > close_limit_) break;
       if (std::none_of(starts.begin(), starts.end(), [&](const TrialResult& start) {
             return Neighbourhood(start.pose, trials_.model().symmetry(), settings_).contains(other.pose);
           }))
@@ -148,9 +150,12 @@ class Judge {
     return true;
   }
 
+  /// What costs more than the best found and is no close call is not needed.
   bool run_batch(const Neighbourhood& own) {
     left_ -= static_cast<std::int64_t>(batch_.size());
-    if (!trials_.run(batch_, answers_)) return false;
+    const std::int64_t most = found_.empty() ? std::numeric_limits<std::int64_t>::max()
+                                             : std::max(close_limit_, found_.front().cost);
+    if (!trials_.run(batch_, most, answers_)) return false;
     for (const auto& answer : answers_)
       if (answer && !own.contains(answer->pose)) found_.push_back(*answer);
     sort_found();
@@ -168,6 +173,7 @@ class Judge {
   const DescentSettings& descent_;
   ObjectTrials trials_;
   std::int64_t left_ = 0;
+  std::int64_t close_limit_ = 0;  ///< what costs more needs no descent
   std::vector<Trial> batch_;
   std::vector<std::optional<TrialResult>> answers_;
   std::vector<TrialResult> found_;  ///< other poses, cheapest first

@@ -1,6 +1,7 @@
 #include "perch/localize/object_trials.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace perch {
 
@@ -51,24 +52,26 @@ bool ObjectTrials::fits(const Pose& pose) const {
          });
 }
 
-bool ObjectTrials::run(const std::vector<Trial>& trials, std::vector<std::optional<TrialResult>>& answers) {
+bool ObjectTrials::run(const std::vector<Trial>& trials, std::int64_t most,
+                       std::vector<std::optional<TrialResult>>& answers) {
   answers.assign(trials.size(), std::nullopt);
   count_ += static_cast<std::int64_t>(trials.size());
   return executor_.for_each(
-      trials.size(), [&](std::size_t i, std::size_t worker) { answers[i] = run(trials[i], makers_[worker]); },
-      stop_);
+      trials.size(),
+      [&](std::size_t i, std::size_t worker) { answers[i] = run(trials[i], most, makers_[worker]); }, stop_);
 }
 
 std::optional<TrialResult> ObjectTrials::run_one(const Pose& pose) {
   ++count_;
-  return run({pose, false}, makers_.front());
+  return run({pose, false}, std::numeric_limits<std::int64_t>::max(), makers_.front());
 }
 
-std::optional<TrialResult> ObjectTrials::run(const Trial& trial, CandidateMaker& maker) const {
+std::optional<TrialResult> ObjectTrials::run(const Trial& trial, std::int64_t most,
+                                             CandidateMaker& maker) const {
   Pose pose = trial.pose;
   pose.yaw = model().symmetry().canonical_yaw(pose.yaw);
   if (!trial.align && !fits(pose)) return std::nullopt;
-  const auto placing = maker.place(others_, model_, pose, trial.align);
+  const auto placing = maker.place(others_, model_, pose, trial.align, most);
   if (!placing || (trial.align && !fits(placing->pose))) return std::nullopt;
   return TrialResult{placing->pose, placing->counts.total(), placing->residual};
 }

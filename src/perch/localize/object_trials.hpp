@@ -53,9 +53,11 @@ class ObjectTrials {
   /// How many points of the object that was taken out are in view at the pose it had.
   std::int64_t visible_points(const std::vector<PlacedModel>& scene, std::size_t place);
 
-  /// One answer for each trial, in order; empty where the object doesn't fit or no pixel of it is in view.
-  /// Yaws are canonical. False where the stop condition struck first: then the answers are not complete.
-  bool run(const std::vector<Trial>& trials, std::vector<std::optional<TrialResult>>& answers);
+  /// One answer for each trial, in order; empty where the object doesn't fit, no pixel of it is in view, or J
+  /// is more than `most`, which takes less work to find out. Yaws are canonical. False where the stop
+  /// condition struck first: then the answers are not complete.
+  bool run(const std::vector<Trial>& trials, std::int64_t most,
+           std::vector<std::optional<TrialResult>>& answers);
   /// A single trial of a pose as it is, on the calling thread.
   std::optional<TrialResult> run_one(const Pose& pose);
   bool stopped() const { return stop_(); }
@@ -63,7 +65,7 @@ class ObjectTrials {
   std::int64_t count() const { return count_; }
 
  private:
-  std::optional<TrialResult> run(const Trial& trial, CandidateMaker& maker) const;
+  std::optional<TrialResult> run(const Trial& trial, std::int64_t most, CandidateMaker& maker) const;
 
   /// The rendering of the object at `place`, drawn again only where it has moved.
   const DepthPatch& drawing(const std::vector<PlacedModel>& scene, std::size_t place);

@@ -77,7 +77,7 @@ void PoseDescent::extend(const TrialResult& before) {
 bool PoseDescent::run_batch() {
   if (!going_) return false;
   left_ -= static_cast<std::int64_t>(batch_.size());
-  if (left_ < 0 || !trials_.run(batch_, answers_)) {
+  if (left_ < 0 || !trials_.run(batch_, at_.cost, answers_)) {
     going_ = false;
     return false;
   }

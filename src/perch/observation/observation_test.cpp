@@ -102,6 +102,9 @@ TEST(PointSet, CountsLikeASetOfNumbers) {
       count += a[i];
       only_a += a[i] && !b[i];
     }
+    EXPECT_EQ(set_b.count_between(first, last),
+              static_cast<std::size_t>(std::count(b.begin() + static_cast<std::ptrdiff_t>(first),
+                                                  b.begin() + static_cast<std::ptrdiff_t>(last), true)));
     const PointSet trimmed = set_a.trimmed();
     EXPECT_EQ(trimmed.count(), count);
     EXPECT_EQ(trimmed.count_not_in(set_b), only_a);

@@ -33,6 +33,16 @@ std::size_t PointSet::count() const {
   return PERCH_CALL(count_bits, words_.data(), words_.size());
 }
 
+std::size_t PointSet::count_between(std::size_t first, std::size_t last) const {
+  if (first >= last) return 0;
+  const std::size_t from = first / 64, to = (last - 1) / 64;
+  const std::uint64_t head = ~std::uint64_t{0} << (first % 64),
+                      tail = ~std::uint64_t{0} >> (63 - (last - 1) % 64);
+  if (from == to) return static_cast<std::size_t>(std::popcount(words_[from] & head & tail));
+  return static_cast<std::size_t>(std::popcount(words_[from] & head) + std::popcount(words_[to] & tail)) +
+         PERCH_CALL(count_bits, words_.data() + from + 1, to - from - 1);
+}
+
 std::size_t PointSet::count_not_in(const PointSet& other) const {
   return PERCH_CALL(count_bits_not_in, words_.data(), other.words_.data() + first_, words_.size());
 }

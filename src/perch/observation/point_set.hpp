@@ -29,6 +29,8 @@ class PointSet {
   }
 
   std::size_t count() const;
+  /// How many of the points from `first` to before `last` are in the set; only on a set made for all points.
+  std::size_t count_between(std::size_t first, std::size_t last) const;
   /// Points of this set that are not in `other`; `other` holds all points of I.
   std::size_t count_not_in(const PointSet& other) const;
   /// Adds the points of `other`; this set holds all points of I.

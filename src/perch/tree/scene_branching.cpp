@@ -215,12 +215,12 @@ void SceneBranching::complete(const Composite& composite, const Family& family,
       answer.complete = false;
       return;
     }
-    const std::int64_t cost = maker.counts_with(composite, set_[choice.id]).total();
-    if (cost >= best) continue;
-    best = cost;
+    const auto cost = maker.cost_with(composite, set_[choice.id], best - 1);
+    if (!cost) continue;
+    best = *cost;
     std::vector<CandidateId> placed = family.placed;
     placed.push_back(choice.id);
-    answer.found = scene_of(std::move(placed), cost);
+    answer.found = scene_of(std::move(placed), best);
   }
 }
 

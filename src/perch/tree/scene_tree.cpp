@@ -1,6 +1,7 @@
 #include "perch/tree/scene_tree.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -218,7 +219,7 @@ std::optional<SceneState> SceneTree::best_child(const State& state,
   CandidateMaker& maker = makers_.front();
   const Parent parent = make_parent(state);
   Child best;
-  std::int64_t least = 0;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
   for (const Hypothesis& hypothesis : hypotheses) {
     Child child;
     child.id = hypothesis.id;
@@ -231,10 +232,10 @@ std::optional<SceneState> SceneTree::best_child(const State& state,
     const Candidate& candidate = child.made ? *child.made : set_[child.id];
     value(state, parent, candidate, maker, child);
     if (!child.valid) continue;
-    const std::int64_t cost = maker.counts_with(parent.composite, candidate).total();
+    const auto cost = maker.cost_with(parent.composite, candidate, least - 1);
     if (child.made) child.made->patch = {};
-    if (best.valid && cost >= least) continue;
-    least = cost;
+    if (!cost) continue;
+    least = *cost;
     best = std::move(child);
   }
   return add_child(state, std::move(best));
