@@ -1,7 +1,6 @@
 #include "perch/candidates/coarse_dual.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
 
@@ -48,28 +47,28 @@ CoarseDual::CoarseDual(const LocalizationProblem& problem)
   block_of_point_.reserve(observation.size());
   for (int v = 0; v < observation.intrinsics().height; ++v)
     for (std::size_t i = observation.row_begin(v); i < observation.row_begin(v + 1); ++i) {
-      const auto block = static_cast<std::uint32_t>(static_cast<std::size_t>(v / side) * pitch_ +
-                                                    static_cast<std::size_t>(observation.column(i) / side));
-      block_of_point_.push_back(block);
-      ++points_[block];
+      const int column = observation.column(i) / side, row = v / side;
+      block_of_point_.push_back({static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(row)});
+      ++points_[block_at(column, row)];
     }
+  for (std::size_t b = 0; b < blocks; ++b)
+    if (points_[b] > 0) with_points_.push_back(static_cast<std::uint32_t>(b));
   mu_.assign(blocks, coarse_one);
+  best_mu_ = mu_;
   mu_slope_.assign(blocks, 0);
   touched_.assign(blocks, 0);
+  charged_.assign(blocks, 0);
   std::int32_t copies = 0;
   for (const int k : problem.copies()) copies += k;
   for (Charges& charges : charges_) {
     charges.certain.assign(blocks, coarse_one / std::max(1, copies));
     charges.uncertain.assign(blocks, 0);
     charges.relief.assign(blocks, 0);
+    charges.best_certain = charges.certain;
+    charges.best_uncertain = charges.uncertain;
     charges.certain_slope.assign(blocks, 0);
     charges.uncertain_slope.assign(blocks, 0);
   }
-}
-
-std::uint32_t CoarseDual::block_of_pixel(std::uint32_t pixel) const {
-  const auto width = static_cast<std::uint32_t>(width_);
-  return pixel / width / side * static_cast<std::uint32_t>(pitch_) + pixel % width / side;
 }
 
 void CoarseDual::add(const CandidateSet& set, const Executor& executor) {
@@ -99,16 +98,23 @@ CoarseDual::Counts CoarseDual::counts_of(const Candidate& candidate) const {
   const auto size = static_cast<std::size_t>(counts.columns) * static_cast<std::size_t>(counts.rows);
   for (auto* plane : {&counts.explained, &counts.certain, &counts.uncertain, &counts.relieved})
     plane->assign(size, 0);
-  const auto place = [&](std::uint32_t block) {
-    const std::size_t row = block / pitch_ - static_cast<std::size_t>(counts.row);
-    return row * static_cast<std::size_t>(counts.columns) + block % pitch_ -
-           static_cast<std::size_t>(counts.column);
+  const auto place = [&](int column, int row) {
+    return static_cast<std::size_t>(row - counts.row) * static_cast<std::size_t>(counts.columns) +
+           static_cast<std::size_t>(column - counts.column);
   };
   for (const Run& run : candidate.explained_runs)
-    for (std::uint32_t i = run.first; i < run.last; ++i) ++counts.explained[place(block_of_point_[i])];
+    for (std::uint32_t i = run.first; i < run.last; ++i)
+      ++counts.explained[place(block_of_point_[i].column, block_of_point_[i].row)];
   const auto count_pixels = [&](const std::vector<Run>& runs, std::vector<std::uint8_t>& plane) {
-    for (const Run& run : runs)
-      for (std::uint32_t x = run.first; x < run.last; ++x) ++plane[place(block_of_pixel(x))];
+    for (const Run& run : runs) {
+      int v = static_cast<int>(run.first) / width_, u = static_cast<int>(run.first) % width_;
+      for (std::uint32_t x = run.first; x < run.last; ++x) {
+        ++plane[place(u / side, v / side)];
+        if (++u < width_) continue;
+        u = 0;
+        ++v;
+      }
+    }
   };
   count_pixels(candidate.certain_runs, counts.certain);
   count_pixels(candidate.uncertain_runs, counts.uncertain);
@@ -118,19 +124,6 @@ CoarseDual::Counts CoarseDual::counts_of(const Candidate& candidate) const {
 
 void CoarseDual::value_all(const Executor& executor) {
   constexpr std::size_t batch = 32;
-  std::fill(charges_.front().relief.begin(), charges_.front().relief.end(), 0);
-  std::vector<std::int32_t>& total = charges_.front().relief;
-  for (std::size_t model = 0; model < charges_.size(); ++model) {
-    const int copies = problem_.copies()[model];
-    const std::vector<std::int32_t>& uncertain = charges_[model].uncertain;
-    if (copies > 0)
-      for (std::size_t b = 0; b < total.size(); ++b) total[b] += copies * uncertain[b];
-  }
-  for (std::size_t model = charges_.size(); model-- > 0;) {
-    Charges& charges = charges_[model];
-    if (problem_.copies()[model] > 0)
-      for (std::size_t b = 0; b < total.size(); ++b) charges.relief[b] = total[b] - charges.uncertain[b];
-  }
   values_.resize(candidates_.size());
   executor.for_each((candidates_.size() + batch - 1) / batch,
                     [&](std::size_t first, std::size_t) {
@@ -198,7 +191,7 @@ void CoarseDual::ascend(int iterations, std::int64_t aim, double enough, const E
 /// Polyak's step along the subgradient of the bound at the best candidate of each model. The weight of a
 /// block stands for those of its pixels, so a slope counts by the pixel.
 bool CoarseDual::step(const std::vector<std::size_t>& best, double rise) {
-  mu_slope_ = points_;
+  for (const std::uint32_t b : with_points_) mu_slope_[b] = points_[b];
   moved_.clear();
   for (std::size_t model = 0; model < best.size(); ++model) {
     const int copies = problem_.copies()[model];
@@ -207,8 +200,7 @@ bool CoarseDual::step(const std::vector<std::size_t>& best, double rise) {
     std::size_t i = 0;
     for (int row = 0; row < c.rows; ++row)
       for (int column = 0; column < c.columns; ++column, ++i) {
-        const std::size_t block =
-            static_cast<std::size_t>(c.row + row) * pitch_ + static_cast<std::size_t>(c.column + column);
+        const std::size_t block = block_at(c.column + column, c.row + row);
         mu_slope_[block] -= copies * c.explained[i];
         if ((c.certain[i] | c.uncertain[i] | c.relieved[i]) == 0) continue;
         if (!touched_[block]) moved_.push_back(static_cast<std::uint32_t>(block));
@@ -224,7 +216,7 @@ bool CoarseDual::step(const std::vector<std::size_t>& best, double rise) {
   }
   constexpr double pixels = side * side;
   double norm = 0.0;
-  for (std::size_t b = 0; b < mu_.size(); ++b) {
+  for (const std::uint32_t b : with_points_) {
     int& slope = mu_slope_[b];
     if ((slope > 0 && mu_[b] == coarse_one) || (slope < 0 && mu_[b] == 0)) slope = 0;
     if (slope != 0) norm += static_cast<double>(slope) * slope / points_[b];
@@ -238,7 +230,7 @@ bool CoarseDual::step(const std::vector<std::size_t>& best, double rise) {
   const auto scaled = [length = norm > 0.0 ? rise / norm : 0.0](int slope, double number) {
     return static_cast<std::int32_t>(std::clamp(length * slope / number, -1.0, 1.0) * coarse_one);
   };
-  for (std::size_t b = 0; b < mu_.size(); ++b)
+  for (const std::uint32_t b : with_points_)
     if (mu_slope_[b] != 0) mu_[b] = std::clamp(mu_[b] + scaled(mu_slope_[b], points_[b]), 0, coarse_one);
   for (Charges& charges : charges_)
     for (const std::uint32_t b : moved_) {
@@ -248,7 +240,10 @@ bool CoarseDual::step(const std::vector<std::size_t>& best, double rise) {
     }
   for (const std::uint32_t b : moved_) {
     make_feasible(b);
+    update_relief(b);
     touched_[b] = 0;
+    if (!charged_[b]) ever_charged_.push_back(b);
+    charged_[b] = 1;
   }
   return norm > 0.0;
 }
@@ -268,45 +263,52 @@ void CoarseDual::make_feasible(std::size_t block) {
   }
 }
 
+void CoarseDual::update_relief(std::size_t block) {
+  std::int32_t total = 0;
+  for (std::size_t model = 0; model < charges_.size(); ++model)
+    total += problem_.copies()[model] * charges_[model].uncertain[block];
+  for (Charges& charges : charges_) charges.relief[block] = total - charges.uncertain[block];
+}
+
 void CoarseDual::remember() {
-  best_mu_ = mu_;
-  for (Charges& charges : charges_) {
-    charges.best_certain = charges.certain;
-    charges.best_uncertain = charges.uncertain;
-  }
+  for (const std::uint32_t b : with_points_) best_mu_[b] = mu_[b];
+  for (Charges& charges : charges_)
+    for (const std::uint32_t b : ever_charged_) {
+      charges.best_certain[b] = charges.certain[b];
+      charges.best_uncertain[b] = charges.uncertain[b];
+    }
 }
 
 void CoarseDual::recall() {
-  mu_ = best_mu_;
-  for (Charges& charges : charges_) {
-    charges.certain = charges.best_certain;
-    charges.uncertain = charges.best_uncertain;
-  }
+  for (const std::uint32_t b : with_points_) mu_[b] = best_mu_[b];
+  for (Charges& charges : charges_)
+    for (const std::uint32_t b : ever_charged_) {
+      charges.certain[b] = charges.best_certain[b];
+      charges.uncertain[b] = charges.best_uncertain[b];
+    }
+  for (const std::uint32_t b : ever_charged_) update_relief(b);
 }
 
 void CoarseDual::sum_relief() {
   for (std::size_t model = 0; model < charges_.size(); ++model) {
     if (problem_.copies()[model] == 0) continue;
     relief_[model] = SummedArea({0, 0, columns_, rows_}, [&](int column, int row) {
-      const std::size_t block = static_cast<std::size_t>(row) * pitch_ + static_cast<std::size_t>(column);
-      Weight sum = -charges_[model].uncertain[block];
-      for (std::size_t other = 0; other < charges_.size(); ++other)
-        sum += Weight{problem_.copies()[other]} * charges_[other].uncertain[block];
-      return sum * (finer * side * side);
+      return Weight{charges_[model].relief[block_at(column, row)]} * (finer * side * side);
     });
   }
 }
 
 CoarseDual::Weight CoarseDual::constant() const {
   Weight sum = 0;
-  for (std::size_t b = 0; b < mu_.size(); ++b) sum += Weight{points_[b]} * mu_[b];
+  for (const std::uint32_t b : with_points_) sum += Weight{points_[b]} * mu_[b];
   return sum * finer;
 }
 
 std::vector<CoarseDual::Weight> CoarseDual::point_weights() const {
   std::vector<Weight> weights;
   weights.reserve(block_of_point_.size());
-  for (const std::uint32_t block : block_of_point_) weights.push_back(mu_[block] * finer);
+  for (const Place& place : block_of_point_)
+    weights.push_back(mu_[block_at(place.column, place.row)] * finer);
   return weights;
 }
 
@@ -316,7 +318,8 @@ CoarseDual::Weight CoarseDual::relief(std::size_t model, const Window& window) c
 }
 
 Lagrangian::PixelWeight CoarseDual::pixel_weight(std::size_t model, std::uint32_t pixel) const {
-  const std::uint32_t block = block_of_pixel(pixel);
+  const int v = static_cast<int>(pixel) / width_, u = static_cast<int>(pixel) % width_;
+  const std::size_t block = block_at(u / side, v / side);
   return {charges_[model].certain[block] * finer, charges_[model].uncertain[block] * finer};
 }
 

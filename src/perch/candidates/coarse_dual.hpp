@@ -53,11 +53,18 @@ class CoarseDual {
     std::vector<int> certain_slope, uncertain_slope;
   };
 
-  std::uint32_t block_of_pixel(std::uint32_t pixel) const;
+  struct Place {
+    std::uint16_t column, row;
+  };
+
+  std::size_t block_at(int column, int row) const {
+    return static_cast<std::size_t>(row) * pitch_ + static_cast<std::size_t>(column);
+  }
   Counts counts_of(const Candidate& candidate) const;
   void value_all(const Executor& executor);
   bool step(const std::vector<std::size_t>& best, double rise);
   void make_feasible(std::size_t block);
+  void update_relief(std::size_t block);
   void sum_relief();
   void remember();
   void recall();
@@ -66,8 +73,11 @@ class CoarseDual {
   int width_;           ///< of the image
   int columns_, rows_;  ///< of blocks
   std::size_t pitch_;   ///< of blocks, from one row to the next
-  std::vector<std::uint32_t> block_of_point_;
-  std::vector<int> points_;  ///< of I, by block
+  std::vector<Place> block_of_point_;
+  std::vector<int> points_;                  ///< of I, by block
+  std::vector<std::uint32_t> with_points_;   ///< blocks; elsewhere mu does not matter
+  std::vector<std::uint32_t> ever_charged_;  ///< blocks; elsewhere charges are those of the start
+  std::vector<char> charged_;                ///< of each block: in ever_charged_
   std::vector<Counts> candidates_;
   std::vector<Weight> values_;
   std::vector<Weight> largest_;
