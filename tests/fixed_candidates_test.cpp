@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <numbers>
 #include <tuple>
 
 #include "cancelling_executor.hpp"
@@ -46,7 +45,7 @@ bool same(const Candidate& a, const Candidate& b) {
 bool same(const std::vector<FixedCandidates::Hypothesis>& a,
           const std::vector<FixedCandidates::Hypothesis>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
-    return x.model == y.model && x.pose == y.pose && x.misfit == y.misfit && x.window == y.window &&
+    return x.model == y.model && x.pose == y.pose && x.residual == y.residual && x.window == y.window &&
            same(x.near, y.near);
   });
 }
@@ -168,7 +167,8 @@ TEST(FixedCandidates, OpenOnesAreBoundedByWhatTheyAreWorthValued) {
       small.problem->cost().add(others, maker.patch(small.set[id]), maker.scratch());
     }
     const CandidateFloor floor_of(small.problem->cost(), others);
-    const auto still = open.most_explained({floor_of.point_weights()}, std::vector<int>(models, 1));
+    const auto still = open.most_explained(
+        {weights_outside(others.observed, small.problem->observation().size())}, std::vector<int>(models, 1));
     const std::int64_t without = small.problem->cost().counts(others).total();
 
     for (std::size_t i = 0; i < open.open().size(); ++i) {

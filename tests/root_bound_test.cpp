@@ -137,7 +137,7 @@ void check_from_greedy_scene(SmallProblem& small, const Best& best, double w, Ta
   FixedCandidates candidates = *small.refined;
   RootBound root(problem, candidates, small.executor);
   const StopCondition never;
-  const auto scene = root.greedy_scene(small.makers, never);
+  const auto scene = root.greedy_scene({}, small.makers.front(), never);
   for (std::size_t model = 0; model < problem.models().size(); ++model)
     EXPECT_TRUE(problem.copies()[model] == 0 || !candidates.set().of_model(model).empty());
   if (scene) {

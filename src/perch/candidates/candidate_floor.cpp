@@ -21,10 +21,4 @@ std::int64_t CandidateFloor::operator()(std::int64_t most_explained, const Windo
   return points_ - others_.observed_count - most_explained + others_.unexplained - unexplained_(window);
 }
 
-std::vector<std::int64_t> CandidateFloor::point_weights() const {
-  std::vector<std::int64_t> weights(static_cast<std::size_t>(points_));
-  for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = others_.observed.contains(i) ? 0 : 1;
-  return weights;
-}
-
 }  // namespace perch

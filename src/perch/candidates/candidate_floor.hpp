@@ -24,11 +24,9 @@ class CandidateFloor {
   CandidateFloor(const ExplanationCost& cost, const Composite& others);
 
   std::int64_t operator()(const Candidate& candidate) const;
-  /// The same for one that is not valued. \param most_explained of the points that point_weights() counts, at
-  /// most. \param window that holds its rendering.
+  /// The same for one that is not valued. \param most_explained of the points that the others don't explain,
+  /// at most. \param window that holds its rendering.
   std::int64_t operator()(std::int64_t most_explained, const Window& window) const;
-  /// 1 for points of I that the composite does not explain.
-  std::vector<std::int64_t> point_weights() const;
 
  private:
   const Composite& others_;

@@ -53,13 +53,13 @@ void CandidateMaker::sample(std::size_t model, const Pose& pose, const DepthPatc
                   observation, problem_.settings().refine.occlusion, samples_, seen_);
 }
 
-float CandidateMaker::misfit(std::size_t model, const Pose& pose) {
+float CandidateMaker::residual(std::size_t model, const Pose& pose) {
   if (problem_.nearest() == nullptr) return 0.0F;
   const ThreadStopwatch watch;
   sample(model, pose, nullptr);
-  const double misfit = mean_residual(samples_, *problem_.nearest(), problem_.settings().cost.delta);
+  const double residual = mean_residual(samples_, *problem_.nearest(), problem_.settings().cost.delta);
   seconds_.refine += watch.seconds();
-  return static_cast<float>(misfit);
+  return static_cast<float>(residual);
 }
 
 Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -28,9 +29,9 @@ struct StageSeconds {
 struct Placing {
   Pose pose;
   CostCounts counts;
-  /// Mean distance of its visible points from I in units of delta, at most 1 each (mean_residual); 1 where
+  /// Mean distance of its visible points from I in units of delta, at most 1 each (mean_residual); 0 where
   /// nothing is refined.
-  double residual = 1.0;
+  double residual = 0.0;
 };
 
 /// Makes candidates: renders, refines, values. Holds scratch memory: one maker a thread.
@@ -43,7 +44,7 @@ class CandidateMaker {
     return problem_.nearest() == nullptr ? grid_pose : refine(model, grid_pose, nullptr);
   }
   /// The mean residual of an object's visible points at a pose; 0 where nothing is refined.
-  float misfit(std::size_t model, const Pose& pose);
+  float residual(std::size_t model, const Pose& pose);
   /// The candidate that grows from a grid pose: refined (if at all) with `in_front`, the parent scene, hiding
   /// part of it; then valued alone. Empty where no pixel of the object is in view.
   std::optional<Candidate> make(std::size_t model, const Pose& grid_pose,
@@ -67,7 +68,11 @@ class CandidateMaker {
   /// J with a candidate added to a composite; empty where it is more than `most`.
   std::optional<std::int64_t> cost_with(const Composite& composite, const Candidate& candidate,
                                         std::int64_t most) {
-    const auto counts = lone_cost_.counts_with(composite, patch(candidate), most);
+    return cost_with(composite, patch(candidate), most);
+  }
+  std::optional<std::int64_t> cost_with(const Composite& composite, const DepthPatch& patch,
+                                        std::int64_t most = std::numeric_limits<std::int64_t>::max()) {
+    const auto counts = lone_cost_.counts_with(composite, patch, most);
     return counts ? std::optional(counts->total()) : std::nullopt;
   }
   CostChange& scratch() { return change_; }

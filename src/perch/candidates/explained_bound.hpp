@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <vector>
 
 #include "perch/core/image.hpp"
@@ -14,8 +15,9 @@ namespace perch {
 /// surface, which the model's distance field tells up to a known error.
 class ExplainedBound {
  public:
-  /// Balls that cost few questions and don't blur what is near, metres.
-  static double block_radius(double delta) { return delta; }
+  /// Balls that cost few questions and don't blur what is near, metres; no larger than keeps distance fields
+  /// small.
+  static double block_radius(double delta) { return std::min(delta, 0.01); }
   /// How far around a model its distance field must reach, metres: what lies beyond is too far then.
   static double field_margin(double delta) { return delta + block_radius(delta); }
 

@@ -1,8 +1,8 @@
 #include "perch/candidates/first_scenes.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
+#include <utility>
 
 #include "perch/candidates/candidate_floor.hpp"
 
@@ -14,45 +14,22 @@ constexpr std::size_t most_exchanges = 96;  // candidates valued exactly for one
 constexpr std::size_t exchange_batch = 8;   // of these, valued at a time
 constexpr int most_passes = 20;             // over the places of a scene; a handful is usual
 
-struct Ranked {
-  std::int64_t gain;
-  CandidateId id;
-
-  bool operator<(const Ranked& other) const {
-    return std::tuple(-gain, id) < std::tuple(-other.gain, other.id);
-  }
-};
-
 class SceneBuilder {
  public:
   SceneBuilder(const LocalizationProblem& problem, const CandidateSet& set,
                std::vector<CandidateMaker>& makers, const Executor& executor, const StopCondition& stop)
       : problem_(problem), set_(set), makers_(makers), executor_(executor), stop_(stop) {}
 
-  /// Object by object, always the one that explains most more than it leaves to be explained, beside what is
-  /// `placed` already; an object of the model `first` comes first.
+  /// Greedily, beside what is `placed` already; an object of the model `first` comes first.
   std::optional<CandidateScene> greedy(std::optional<std::size_t> first,
-                                       std::vector<CandidateId> placed = {}) const {
-    std::vector<int> left = problem_.copies();
-    PointSet covered(problem_.observation().size());
-    for (const CandidateId id : placed) {
-      --left[set_[id].model];
-      covered.insert_all(set_[id].explained);
-    }
-    while (placed.size() < problem_.object_count()) {
-      std::vector<Ranked> ranked;
-      for (std::size_t model = 0; model < left.size(); ++model)
-        if (left[model] > 0 && (!placed.empty() || !first || *first == model)) rank(model, covered, ranked);
-      std::sort(ranked.begin(), ranked.end());
-      const auto chosen =
-          std::find_if(ranked.begin(), ranked.end(), [&](const Ranked& r) { return fits(r.id, placed); });
-      if (chosen == ranked.end() || stop_()) return std::nullopt;
-      placed.push_back(chosen->id);
-      covered.insert_all(set_[chosen->id].explained);
-      --left[set_[chosen->id].model];
-    }
-    std::sort(placed.begin(), placed.end());
-    return CandidateScene{placed, scene_cost(problem_, set_, placed, makers_.front())};
+                                       const std::vector<CandidateId>& placed = {}) const {
+    return greedy_scene(problem_, set_, PartialScene(problem_, set_, placed), makers_.front(),
+                        [&](const PartialScene& scene, std::vector<int>& choice) {
+                          if (first && scene.placed.empty())
+                            for (std::size_t model = 0; model < choice.size(); ++model)
+                              if (model != *first) choice[model] = 0;
+                          return !stop_();
+                        });
   }
 
   /// Exchanges one candidate at a time for the best other one of its model, as long as J falls.
@@ -71,12 +48,6 @@ class SceneBuilder {
   }
 
  private:
-  void rank(std::size_t model, const PointSet& covered, std::vector<Ranked>& ranked) const {
-    for (const CandidateId id : set_.of_model(model))
-      ranked.push_back(
-          {static_cast<std::int64_t>(set_[id].explained.count_not_in(covered)) - set_[id].exposed, id});
-  }
-
   bool fits(CandidateId id, const std::vector<CandidateId>& placed) const {
     return std::none_of(placed.begin(), placed.end(),
                         [&](CandidateId other) { return problem_.collide(set_[id], set_[other]); });
@@ -92,30 +63,30 @@ class SceneBuilder {
 
     // By ascending floor, until none of the rest can be cheaper.
     const CandidateFloor floor_of(problem_.cost(), composite);
-    std::vector<Ranked> ranked;
+    std::vector<std::pair<std::int64_t, CandidateId>> by_floor;
     for (const CandidateId id : set_.of_model(set_[scene.candidates[place]].model)) {
       if (id < from) continue;
       const std::int64_t floor = floor_of(set_[id]);
-      if (floor < scene.cost && id != scene.candidates[place]) ranked.push_back({-floor, id});
+      if (floor < scene.cost && id != scene.candidates[place]) by_floor.emplace_back(floor, id);
     }
-    std::sort(ranked.begin(), ranked.end());
+    std::sort(by_floor.begin(), by_floor.end());
     bool changed = false;
     std::vector<std::optional<std::int64_t>> costs;
-    for (std::size_t i = 0; i < std::min(ranked.size(), most_exchanges); i += exchange_batch) {
-      if (-ranked[i].gain >= scene.cost) break;
-      const std::size_t size = std::min(exchange_batch, ranked.size() - i);
+    for (std::size_t i = 0; i < std::min(by_floor.size(), most_exchanges); i += exchange_batch) {
+      if (by_floor[i].first >= scene.cost) break;
+      const std::size_t size = std::min(exchange_batch, by_floor.size() - i);
       costs.assign(size, std::nullopt);
       executor_.for_each(
           size,
           [&](std::size_t k, std::size_t worker) {
-            const CandidateId id = ranked[i + k].id;
+            const CandidateId id = by_floor[i + k].second;
             if (fits(id, others)) costs[k] = makers_[worker].cost_with(composite, set_[id], scene.cost - 1);
           },
           stop_);
       for (std::size_t k = 0; k < size; ++k)
         if (costs[k] && *costs[k] < scene.cost) {
           scene.cost = *costs[k];
-          scene.candidates[place] = ranked[i + k].id;
+          scene.candidates[place] = by_floor[i + k].second;
           changed = true;
         }
     }
@@ -130,14 +101,6 @@ class SceneBuilder {
 };
 
 }  // namespace
-
-std::int64_t scene_cost(const LocalizationProblem& problem, const CandidateSet& set,
-                        const std::vector<CandidateId>& candidates, CandidateMaker& maker) {
-  Composite composite = problem.cost().empty();
-  for (const CandidateId id : candidates)
-    problem.cost().add(composite, maker.patch(set[id]), maker.scratch());
-  return problem.cost().counts(composite).total();
-}
 
 std::vector<CandidateScene> first_scenes(const LocalizationProblem& problem, const CandidateSet& set,
                                          std::vector<CandidateMaker>& makers, const Executor& executor,

@@ -1,23 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
-#include "perch/candidates/candidate_set.hpp"
+#include "perch/candidates/greedy_scene.hpp"
 #include "perch/candidates/priors.hpp"
 
 namespace perch {
-
-/// K candidates, one for each object (ascending numbers), and their flat J.
-struct CandidateScene {
-  std::vector<CandidateId> candidates;
-  std::int64_t cost = 0;
-};
-
-/// J of a set of candidates.
-std::int64_t scene_cost(const LocalizationProblem& problem, const CandidateSet& set,
-                        const std::vector<CandidateId>& candidates, CandidateMaker& maker);
 
 /// Good scenes to start from: built greedily, object by object, from several first choices, then improved by
 /// exchanging one candidate at a time for another of its model while J falls. No two candidates of a scene

@@ -39,7 +39,7 @@ bool FixedCandidates::refine(const StopCondition& stop) {
           const Pose pose = maker.refined(model, grid.pose(static_cast<std::int64_t>(i)));
           const Window window = problem_.window(model, pose);
           if (!window.empty())
-            refined[i] = Hypothesis{model, pose, maker.misfit(model, pose), window,
+            refined[i] = Hypothesis{model, pose, maker.residual(model, pose), window,
                                     problem_.explained_bound().blocks(
                                         problem_.models()[model], problem_.camera_from_model(model, pose))};
         }))
@@ -51,6 +51,7 @@ bool FixedCandidates::refine(const StopCondition& stop) {
         open_.push_back(std::move(*hypothesis));
     if (problem_.optional(model)) set_.add(absent_candidate(model));
   }
+  count_ = static_cast<std::int64_t>(open_.size() + set_.size());
   return true;
 }
 

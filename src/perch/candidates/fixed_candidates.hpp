@@ -19,7 +19,7 @@ class FixedCandidates {
     Pose pose;  ///< after ICP; no two with the same model are equal to the bit
     /// How far the visible points of its surface lie from I, see mean_residual: a guess at what it leaves
     /// unexplained. 0 where nothing is refined.
-    float misfit = 0.0F;
+    float residual = 0.0F;
     Window window;          ///< that holds its rendering
     std::vector<Run> near;  ///< blocks of I that hold what it explains
   };
@@ -34,8 +34,8 @@ class FixedCandidates {
   bool refine(const StopCondition& stop);
   /// Grid poses refined.
   std::int64_t hypotheses() const { return hypotheses_; }
-  /// Different poses among them, and the absent objects; poses out of view are none.
-  std::int64_t count() const { return static_cast<std::int64_t>(open_.size() + set_.size()); }
+  /// Different poses among them whose box reaches into the image, and the absent objects.
+  std::int64_t count() const { return count_; }
 
   /// What is valued, and the absent object of each model whose objects are optional.
   CandidateSet& set() { return set_; }
@@ -60,7 +60,7 @@ class FixedCandidates {
   const Executor& executor_;
   CandidateSet set_;
   std::vector<Hypothesis> open_;
-  std::int64_t hypotheses_ = 0;
+  std::int64_t hypotheses_ = 0, count_ = 0;
 };
 
 }  // namespace perch

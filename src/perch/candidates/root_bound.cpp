@@ -68,7 +68,7 @@ bool RootBound::value_promising(const std::vector<std::vector<std::int64_t>>& po
     choose(
         open, model, promising,
         [&](std::size_t i) {
-          return -static_cast<double>(most[i]) * (1.0 - static_cast<double>(open[i].misfit));
+          return -static_cast<double>(most[i]) * (1.0 - static_cast<double>(open[i].residual));
         },
         [&](std::size_t i) {
           return std::none_of(placed.begin(), placed.end(), [&](CandidateId id) {
@@ -92,51 +92,29 @@ bool RootBound::value_unseen_models(const StopCondition& stop) {
   return true;
 }
 
-std::optional<CandidateScene> RootBound::greedy_scene(std::vector<CandidateMaker>& makers,
-                                                      const StopCondition& stop) {
+std::optional<CandidateScene> RootBound::greedy_scene(const std::vector<CandidateId>& placed,
+                                                      CandidateMaker& maker, const StopCondition& stop) {
   const CandidateSet& set = candidates_.set();
-  std::vector<int> left = problem_.copies();
-  std::vector<CandidateId> placed;
-  PointSet covered(problem_.observation().size());
-  std::vector<std::int64_t> weights(problem_.observation().size(), 1);
-  while (placed.size() < problem_.object_count()) {
-    if (!value_promising({weights}, left, placed, stop) || (placed.empty() && !value_unseen_models(stop)))
-      return std::nullopt;
-    std::optional<CandidateId> best;
-    std::int64_t most = 0;
-    for (std::size_t model = 0; model < left.size(); ++model)
-      for (const CandidateId id : set.of_model(model)) {
-        if (left[model] == 0) continue;
-        const std::int64_t gain =
-            static_cast<std::int64_t>(set[id].explained.count_not_in(covered)) - set[id].exposed;
-        if ((best && gain <= most) || std::any_of(placed.begin(), placed.end(), [&](CandidateId other) {
-              return problem_.collide(set[id], set[other]);
-            }))
-          continue;
-        best = id;
-        most = gain;
-      }
-    if (!best) return std::nullopt;
-    placed.push_back(*best);
-    --left[set[*best].model];
-    covered.insert_all(set[*best].explained);
-    for (const Run& run : set[*best].explained_runs)
-      std::fill(weights.begin() + run.first, weights.begin() + run.last, 0);
-  }
-  std::sort(placed.begin(), placed.end());
-  return CandidateScene{placed, scene_cost(problem_, set, placed, makers.front())};
+  return perch::greedy_scene(problem_, set, PartialScene(problem_, set, placed), maker,
+                             [&](const PartialScene& scene, std::vector<int>& choice) {
+                               const std::vector<std::int64_t> weights =
+                                   weights_outside(scene.covered, problem_.observation().size());
+                               return value_promising({weights}, choice, scene.placed, stop) &&
+                                      (!scene.placed.empty() || value_unseen_models(stop));
+                             });
 }
 
 bool RootBound::value_beside(const std::vector<CandidateId>& scene, const StopCondition& stop) {
   const CandidateSet& set = candidates_.set();
-  std::vector<std::vector<std::int64_t>> left(problem_.models().size(),
-                                              std::vector<std::int64_t>(problem_.observation().size(), 1));
-  for (const CandidateId id : scene)
-    for (std::size_t model = 0; model < left.size(); ++model)
-      if (model != set[id].model)
-        for (const Run& run : set[id].explained_runs)
-          std::fill(left[model].begin() + run.first, left[model].begin() + run.last, 0);
-  return value_promising(left, problem_.copies(), {}, stop);
+  const std::size_t points = problem_.observation().size();
+  std::vector<std::vector<std::int64_t>> weights;
+  for (std::size_t model = 0; model < problem_.models().size(); ++model) {
+    PointSet covered(points);
+    for (const CandidateId id : scene)
+      if (set[id].model != model) covered.insert_all(set[id].explained);
+    weights.push_back(weights_outside(covered, points));
+  }
+  return value_promising(weights, problem_.copies(), {}, stop);
 }
 
 std::vector<Weight> RootBound::most_worth() const {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "perch/candidates/coarse_dual.hpp"
-#include "perch/candidates/first_scenes.hpp"
 #include "perch/candidates/fixed_candidates.hpp"
+#include "perch/candidates/greedy_scene.hpp"
 #include "perch/candidates/lagrangian_bound.hpp"
 #include "perch/candidates/priors.hpp"
 
@@ -22,11 +22,11 @@ class RootBound {
 
   /// Values what is nearest to priors. False where the stop condition struck.
   bool value_near(const std::vector<PriorPose>& priors, const StopCondition& stop);
-  /// A scene put together object by object, always the one that explains most more than it leaves to be
-  /// explained beside those placed, among what is valued: before each choice what may explain most is. Empty
-  /// where no candidate fits, or where the stop condition struck. Every model has a valued candidate then, if
-  /// any of it is in view anywhere.
-  std::optional<CandidateScene> greedy_scene(std::vector<CandidateMaker>& makers, const StopCondition& stop);
+  /// A greedy scene beside what is `placed` already, among what is valued: before each choice what may
+  /// explain most is. Empty where no candidate fits, or where the stop condition struck. Where nothing was
+  /// placed, every model has a valued candidate then, if any of it is in view anywhere.
+  std::optional<CandidateScene> greedy_scene(const std::vector<CandidateId>& placed, CandidateMaker& maker,
+                                             const StopCondition& stop);
   /// Values what may explain most of each model beside the other models' objects in a scene. False where the
   /// stop condition struck.
   bool value_beside(const std::vector<CandidateId>& scene, const StopCondition& stop);

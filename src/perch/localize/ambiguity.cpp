@@ -114,7 +114,8 @@ class Judge {
     const auto& open = candidates_.open();
     std::vector<int> wanted(problem_.models().size(), 0);
     wanted[trials_.model_number()] = 1;
-    const auto explained = candidates_.most_explained({floor_of.point_weights()}, wanted);
+    const auto explained = candidates_.most_explained(
+        {weights_outside(trials_.others().observed, problem_.observation().size())}, wanted);
     for (std::size_t i = 0; i < open.size(); ++i)
       if (open[i].model == trials_.model_number() && !own.contains(open[i].pose))
         order.push_back({floor_of(explained[i], open[i].window), open[i].pose});

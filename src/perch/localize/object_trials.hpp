@@ -28,7 +28,7 @@ struct Trial {
 struct TrialResult {
   Pose pose;
   std::int64_t cost = 0;  ///< J
-  double residual = 1.0;  ///< as Placing::residual
+  double residual = 0.0;  ///< as Placing::residual
 };
 
 /// Tries poses of one object of a scene while all the others stay where they are. Every cost is exact, and

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "perch/candidates/root_bound.hpp"
 #include "perch/heuristics/heuristics.hpp"
@@ -43,8 +42,14 @@ class SceneSearch {
     log_.stage("first scenes");
     RootBound root(problem_, candidates_, executor_);
     if (!root.value_near(priors_, stop_)) return stopped(0);
-    if (auto scene = root.greedy_scene(makers_, stop_)) outcome_.scenes.push_back(std::move(*scene));
+    const auto start_from = [&](const std::vector<CandidateId>& placed) {
+      if (auto scene = root.greedy_scene(placed, makers_.front(), stop_))
+        outcome_.scenes.push_back(std::move(*scene));
+    };
+    start_from({});
+    if (!priors_.empty()) start_from(nearest_to_priors(problem_, set_, priors_));
     if (stop_()) return stopped(0);
+    sort_scenes();
     if (some_object_has_no_pose()) return std::move(outcome_);
     if (known()) {
       look_again(0);
@@ -93,6 +98,7 @@ class SceneSearch {
     };
     observer.on_expansion = [&](const SearchProgress& p) { report(p); };
     take(branch_and_bound(branching, options, stop_, std::move(known), observer));
+    outcome_.lower_bound = std::max(outcome_.lower_bound, root.lower_bound());
     return std::move(outcome_);
   }
 
@@ -145,6 +151,11 @@ class SceneSearch {
     for (std::size_t model = 0; model < problem_.models().size(); ++model)
       if (problem_.copies()[model] > 0 && set_.of_model(model).empty()) return true;
     return false;
+  }
+
+  void sort_scenes() {
+    std::stable_sort(outcome_.scenes.begin(), outcome_.scenes.end(),
+                     [](const CandidateScene& a, const CandidateScene& b) { return a.cost < b.cost; });
   }
 
   SearchOutcome stopped(std::int64_t lower_bound) {
@@ -225,8 +236,7 @@ class SceneSearch {
     outcome_.expanded = found.counters.expanded;
     log_.counts(outcome_.generated, outcome_.expanded);
     // The incumbent is among the scenes: it was met first, or reported when it was found.
-    std::stable_sort(outcome_.scenes.begin(), outcome_.scenes.end(),
-                     [](const CandidateScene& a, const CandidateScene& b) { return a.cost < b.cost; });
+    sort_scenes();
     if (outcome_.scenes.size() > most_scenes) outcome_.scenes.resize(most_scenes);
     if (found.incumbent)
       log_.improved(static_cast<std::int64_t>(found.incumbent->cost), outcome_.lower_bound);

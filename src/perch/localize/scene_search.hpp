@@ -23,7 +23,7 @@ struct SearchOutcome {
 /// Over a fixed set: first scenes, then the Lagrangian bound, which drops the candidates that no better scene
 /// can hold, then branch and bound or Focal-MHA* over those left. What was dropped costs at least as much as
 /// the first scene, so the bound holds for the whole set. Branch and bound values of the open hypotheses what
-/// the bound asks for, Focal-MHA* all of them. The set's lists are cut to what was left.
+/// the bound asks for, Focal-MHA* all of them, and it cuts the set's lists to what was left.
 SearchOutcome search_fixed(const LocalizationProblem& problem, FixedCandidates& candidates,
                            std::vector<CandidateMaker>& makers, const std::vector<PriorPose>& priors,
                            const Settings& settings, const Executor& executor, const StopCondition& stop,

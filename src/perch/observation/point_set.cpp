@@ -62,4 +62,10 @@ PointSet PointSet::trimmed() const {
   return set;
 }
 
+std::vector<std::int64_t> weights_outside(const PointSet& set, std::size_t points) {
+  std::vector<std::int64_t> weights(points);
+  for (std::size_t i = 0; i < points; ++i) weights[i] = set.contains(i) ? 0 : 1;
+  return weights;
+}
+
 }  // namespace perch

@@ -44,4 +44,7 @@ class PointSet {
   std::vector<std::uint64_t> words_;
 };
 
+/// 0 for the points of I that are in a set made for all points, 1 for the others.
+std::vector<std::int64_t> weights_outside(const PointSet& set, std::size_t points);
+
 }  // namespace perch

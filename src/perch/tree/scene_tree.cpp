@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
-#include <utility>
 
 namespace perch {
 
@@ -146,7 +145,10 @@ Expansion<SceneState> SceneTree::expand(const State& state, const StopCondition&
         made->patch = {};  // too many are made in context to keep their renderings
       },
       stop);
-  if (in_context_ && state.placed.empty()) hypotheses_ -= std::exchange(guided_at_root_, 0);
+  if (const auto guided = guided_.find(state.placed); guided != guided_.end()) {
+    hypotheses_ -= guided->second;
+    guided_.erase(guided);
+  }
   if (in_context_)
     hypotheses_ += std::count_if(hypotheses.begin(), hypotheses.end(),
                                  [](const Hypothesis& hypothesis) { return hypothesis.grid >= 0; });
@@ -225,7 +227,7 @@ std::optional<SceneState> SceneTree::best_child(const State& state,
     child.id = hypothesis.id;
     if (hypothesis.grid >= 0) {
       ++hypotheses_;
-      if (state.placed.empty()) ++guided_at_root_;
+      ++guided_[state.placed];
       child.made = make_in_context(hypothesis, parent.composite.depth, maker);
       if (!child.made) continue;
     }
@@ -282,7 +284,7 @@ void SceneTree::value(const State& state, const Parent& parent, const Candidate&
   child.valid = true;
   if (parent.left_after == 0) {
     // The last edge takes the rest, the residual of the paper included.
-    child.cost = child.bound = problem_.cost().counts_with(parent.composite, patch, maker.scratch()).total();
+    child.cost = child.bound = *maker.cost_with(parent.composite, patch);
     return;
   }
   const std::int64_t rendered = std::max<std::int64_t>(

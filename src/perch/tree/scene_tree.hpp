@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -135,8 +136,8 @@ class SceneTree {
   std::int64_t lower_bound_ = 0;
   std::size_t with_volumes_ = 0;  ///< candidates of the set whose volumes are filled in
   std::int64_t hypotheses_ = 0;
-  std::int64_t guided_at_root_ =
-      0;  ///< of these, valued for the priors: an expansion of the root has them too
+  /// Of these, valued for the priors, by what was placed: the expansion of that state has them too.
+  std::map<std::vector<CandidateId>, std::int64_t> guided_;
   bool lazy_ = true;
   std::vector<std::vector<Lone>> lone_;  ///< in context, of each model and grid pose
   std::atomic<std::int64_t> reused_ = 0;
