@@ -201,7 +201,7 @@ TEST(FaultsHeavy, ALimitIsKeptInsideABatchAndTheBoundIsReported) {
   Settings settings = quick();
   settings.w = 1.0;
   int with_scene = 0, without = 0;
-  for (const std::int64_t bodies : {5, 600, 2000, 3500, 5000, 8000}) {
+  for (const std::int64_t bodies : {5, 600, 2000, 2400, 2600, 2800, 3000, 3500, 5000, 8000}) {
     StopCondition stop;
     const CancellingExecutor executor(stop, bodies);
     const Result result = localize(simulated.scene, settings, executor, stop);
@@ -209,6 +209,7 @@ TEST(FaultsHeavy, ALimitIsKeptInsideABatchAndTheBoundIsReported) {
     if (bodies > 1500) {
       EXPECT_LE(executor.after(), 1);
     }
+    for (const TraceEntry& entry : result.trace) EXPECT_LE(entry.lower_bound, result.lower_bound);
     if (result.status == Status::solved) continue;
     EXPECT_EQ(result.status, Status::time_limit);
     if (result.search_cost) {

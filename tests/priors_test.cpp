@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "perch/candidates/root_bound.hpp"
 #include "perch/core/random.hpp"
 #include "perch/heuristics/heuristics.hpp"
 #include "perch/localize/localize.hpp"
@@ -109,6 +110,27 @@ TEST(PriorsHeavy, NeverChangeTheGuarantee) {
             found.incumbent ? static_cast<std::int64_t>(found.lower_bound) : 0);
       }
   }
+}
+
+TEST(Priors, StartAGreedyScene) {
+  int started = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    SmallProblem small(small_tabletop(seed, true, 2, false), small_settings(RefineMethod::icp));
+    const std::vector<PriorPose> priors = true_priors(small);
+    FixedCandidates candidates = *small.refined;
+    RootBound root(*small.problem, candidates, small.executor);
+    ASSERT_TRUE(root.value_near(priors, StopCondition()));
+    const std::vector<CandidateId> nearest = nearest_to_priors(*small.problem, candidates.set(), priors);
+    const auto scene = root.greedy_scene(nearest, small.makers.front(), StopCondition());
+    if (!scene) continue;
+    ++started;
+    EXPECT_EQ(scene->candidates.size(), small.problem->object_count());
+    for (const CandidateId id : nearest)
+      EXPECT_EQ(std::count(scene->candidates.begin(), scene->candidates.end(), id), 1);
+    EXPECT_EQ(candidates.count(), small.refined->count());
+  }
+  EXPECT_GT(started, 2);
 }
 
 /// Expansions until the run met a scene that costs no more than this; `never` where it met none.

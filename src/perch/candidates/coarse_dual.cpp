@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "perch/candidates/relaxation.hpp"
 #include "perch/core/instruction_set.hpp"
 
 namespace perch {
@@ -12,8 +13,6 @@ namespace {
 constexpr int side = 4;                       // of a block, pixels
 constexpr std::int32_t coarse_one = 1 << 16;  // sums of a few hundred blocks fit 32 bits
 constexpr Lagrangian::Weight finer = Lagrangian::one / coarse_one;
-constexpr int patience = 4;  // iterations without a better bound before the step is halved
-constexpr double least_relaxation = 0.02;
 constexpr std::size_t nothing = static_cast<std::size_t>(-1);
 
 /// A candidate's planes and the weights of its blocks.
@@ -125,36 +124,29 @@ CoarseDual::Counts CoarseDual::counts_of(const Candidate& candidate) const {
 void CoarseDual::value_all(const Executor& executor) {
   constexpr std::size_t batch = 32;
   values_.resize(candidates_.size());
-  executor.for_each((candidates_.size() + batch - 1) / batch,
-                    [&](std::size_t first, std::size_t) {
-                      for (std::size_t i = first * batch;
-                           i < std::min(candidates_.size(), (first + 1) * batch); ++i) {
-                        const Counts& c = candidates_[i];
-                        const Charges& charges = charges_[c.model];
-                        const std::size_t corner =
-                            static_cast<std::size_t>(c.row) * pitch_ + static_cast<std::size_t>(c.column);
-                        const WorthFrame frame{c.explained.data(),
-                                               c.certain.data(),
-                                               c.uncertain.data(),
-                                               c.relieved.data(),
-                                               mu_.data() + corner,
-                                               charges.certain.data() + corner,
-                                               charges.uncertain.data() + corner,
-                                               charges.relief.data() + corner,
-                                               pitch_,
-                                               c.columns,
-                                               c.rows};
-                        values_[i] = PERCH_CALL(worth, frame);
-                      }
-                    },
-                    StopCondition());
+  for_each_batched(executor, candidates_.size(), batch, StopCondition(), [&](std::size_t i, std::size_t) {
+    const Counts& c = candidates_[i];
+    const Charges& charges = charges_[c.model];
+    const std::size_t corner = block_at(c.column, c.row);
+    const WorthFrame frame{c.explained.data(),
+                           c.certain.data(),
+                           c.uncertain.data(),
+                           c.relieved.data(),
+                           mu_.data() + corner,
+                           charges.certain.data() + corner,
+                           charges.uncertain.data() + corner,
+                           charges.relief.data() + corner,
+                           pitch_,
+                           c.columns,
+                           c.rows};
+    values_[i] = PERCH_CALL(worth, frame);
+  });
 }
 
 void CoarseDual::ascend(int iterations, std::int64_t aim, double enough, const Executor& executor,
                         const StopCondition& stop) {
   std::optional<Weight> best_bound;
-  int without_gain = 0;
-  double relaxation = 1.0;
+  Relaxation relaxation;
   for (int iteration = 0;; ++iteration) {
     value_all(executor);
     std::vector<std::size_t> best(charges_.size(), nothing);
@@ -169,20 +161,18 @@ void CoarseDual::ascend(int iterations, std::int64_t aim, double enough, const E
       largest[model] = values_[best[model]] * finer;
       bound -= problem_.copies()[model] * values_[best[model]];
     }
-    if (!best_bound || bound > *best_bound) {
+    const bool gained = !best_bound || bound > *best_bound;
+    relaxation.note(gained);
+    if (gained) {
       best_bound = bound;
       largest_ = largest;
       remember();
-      without_gain = 0;
-    } else if (++without_gain == patience) {
-      without_gain = 0;
-      relaxation *= 0.5;
     }
     const double whole = static_cast<double>(bound) / coarse_one;
-    if (iteration == iterations || whole >= enough || relaxation < least_relaxation || stop()) break;
+    if (iteration == iterations || whole >= enough || relaxation.spent() || stop()) break;
     const double target =
         std::min(static_cast<double>(aim), static_cast<double>(problem_.observation().size()));
-    if (!step(best, relaxation * std::max(1.0, target - whole))) break;
+    if (!step(best, relaxation.share() * std::max(1.0, target - whole))) break;
   }
   recall();
   sum_relief();

@@ -9,18 +9,7 @@
 namespace perch {
 namespace {
 
-constexpr std::size_t batch = 16;  // hypotheses that a worker takes at a time: some take a few microseconds
-
-/// As Executor::for_each, a few indices at a time.
-template <typename Body>
-bool for_each_batched(const Executor& executor, std::size_t n, const StopCondition& stop, Body body) {
-  return executor.for_each((n + batch - 1) / batch,
-                           [&](std::size_t b, std::size_t worker) {
-                             for (std::size_t i = b * batch; i < std::min(n, (b + 1) * batch); ++i)
-                               body(i, worker);
-                           },
-                           stop);
-}
+constexpr std::size_t batch = 16;  // hypotheses that a worker takes at a time
 
 }  // namespace
 
@@ -34,7 +23,7 @@ bool FixedCandidates::refine(const StopCondition& stop) {
     const PoseGrid& grid = problem_.grid(model);
     const auto poses = static_cast<std::size_t>(grid.size());
     std::vector<std::optional<Hypothesis>> refined(poses);
-    if (!for_each_batched(executor_, poses, stop, [&](std::size_t i, std::size_t worker) {
+    if (!for_each_batched(executor_, poses, batch, stop, [&](std::size_t i, std::size_t worker) {
           CandidateMaker& maker = makers_[worker];
           const Pose pose = maker.refined(model, grid.pose(static_cast<std::int64_t>(i)));
           const Window window = problem_.window(model, pose);

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "perch/candidates/relaxation.hpp"
+
 namespace perch {
 namespace {
 
-constexpr int patience = 4;  // iterations without a better bound before the step is halved
-constexpr double least_relaxation = 0.02;
 constexpr std::size_t nothing = static_cast<std::size_t>(-1);
 
 }  // namespace
@@ -89,16 +89,13 @@ void Lagrangian::improve(int iterations, std::int64_t upper_bound, double enough
   for (std::size_t i = 0; i < kept_.size(); ++i)
     if (kept_[i]) left.push_back(i);
   std::vector<Weight> values(kept_.size(), 0);
-  int without_gain = 0;
-  double relaxation = 1.0;
+  Relaxation relaxation;
   Weight best_bound = 0;
   for (int iteration = 0; iteration < iterations && static_cast<double>(lower_bound_) < enough; ++iteration) {
     sum_up(executor);
-    const auto value_batch = [&](std::size_t b, std::size_t) {
-      for (std::size_t i = b * batch; i < std::min(left.size(), (b + 1) * batch); ++i)
-        values[left[i]] = value(left[i]);
-    };
-    if (!executor.for_each((left.size() + batch - 1) / batch, value_batch, stop)) return;
+    if (!for_each_batched(executor, left.size(), batch, stop,
+                          [&](std::size_t i, std::size_t) { values[left[i]] = value(left[i]); }))
+      return;
 
     std::vector<std::size_t> best(covering_.copies.size(), nothing);
     for (const std::size_t i : left) {
@@ -128,19 +125,14 @@ void Lagrangian::improve(int iterations, std::int64_t upper_bound, double enough
       if (drop) kept_[i] = 0;
       return drop;
     });
-    if (bound > best_bound || left.size() < before) {
-      best_bound = std::max(best_bound, bound);
-      without_gain = 0;
-    } else if (++without_gain == patience) {
-      without_gain = 0;
-      relaxation *= 0.5;
-      if (relaxation < least_relaxation) return;
-    }
+    relaxation.note(bound > best_bound || left.size() < before);
+    best_bound = std::max(best_bound, bound);
+    if (relaxation.spent()) return;
     // Without a known choice the step aims at what choosing nothing would cost.
     const std::int64_t aim =
         std::min(upper_bound, covering_.fixed + static_cast<std::int64_t>(covering_.points));
     const double gap = static_cast<double>(aim) - static_cast<double>(bound) / static_cast<double>(one);
-    if (!step(best, relaxation * std::max(1.0, gap))) return;
+    if (!step(best, relaxation.share() * std::max(1.0, gap))) return;
   }
 }
 
