@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
-#include <tuple>
+#include <bit>
+#include <numeric>
 
 namespace perch {
 
@@ -35,15 +35,26 @@ Mesh stood_on_ground(Mesh mesh) {
 
 namespace {
 
-/// Of each vertex the number of its place: files often repeat a vertex for each of its triangles, the surface
-/// doesn't.
+/// Of each vertex the first one at its place: files often repeat a vertex for each of its triangles, the
+/// surface doesn't.
 std::vector<std::uint32_t> merged_vertices(const Mesh& mesh) {
-  std::map<std::tuple<float, float, float>, std::uint32_t> numbers;
+  // A hash table without lists: where a place is taken by another vertex, the next free one is used. A power
+  // of two, twice as many places as vertices at least, so that there always is one.
+  const std::size_t places = std::bit_ceil(2 * mesh.vertices.size() + 1);
+  constexpr std::uint32_t empty = 0;  // else a vertex's number + 1
+  std::vector<std::uint32_t> table(places, empty);
   std::vector<std::uint32_t> merged(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3f& p = mesh.vertices[i];
-    const std::tuple place{p.x() + 0.0F, p.y() + 0.0F, p.z() + 0.0F};  // -0 is 0
-    merged[i] = numbers.try_emplace(place, static_cast<std::uint32_t>(numbers.size())).first->second;
+    std::uint64_t hash = 0;
+    for (const float x : {p.x(), p.y(), p.z()}) {
+      hash = (hash ^ std::bit_cast<std::uint32_t>(x + 0.0F)) * 0x9e3779b97f4a7c15U;  // -0 is 0
+      hash ^= hash >> 32;
+    }
+    std::size_t place = hash & (places - 1);
+    while (table[place] != empty && mesh.vertices[table[place] - 1] != p) place = (place + 1) & (places - 1);
+    if (table[place] == empty) table[place] = static_cast<std::uint32_t>(i) + 1;
+    merged[i] = table[place] - 1;
   }
   return merged;
 }
@@ -52,21 +63,38 @@ std::vector<std::uint32_t> merged_vertices(const Mesh& mesh) {
 
 bool is_closed(const Mesh& mesh) {
   const std::vector<std::uint32_t> merged = merged_vertices(mesh);
-  using Edge = std::pair<std::uint32_t, std::uint32_t>;
-  std::vector<Edge> edges;
-  edges.reserve(mesh.triangles.size() * 3);
-  for (const auto& triangle : mesh.triangles) {
-    const std::array<std::uint32_t, 3> t{merged[triangle[0]], merged[triangle[1]], merged[triangle[2]]};
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;  // no area, no edges of its own
-    for (int k = 0; k < 3; ++k) edges.emplace_back(t[k], t[(k + 1) % 3]);
-  }
+  const auto for_each_edge = [&](const auto& visit) {
+    for (const auto& [i, j, k] : mesh.triangles) {
+      const std::uint32_t a = merged[i], b = merged[j], c = merged[k];
+      if (a == b || b == c || c == a) continue;  // no area, no edges of its own
+      visit(a, b);
+      visit(b, c);
+      visit(c, a);
+    }
+  };
+  // Edges in the order of their lower vertex, by counting: of each its higher one and the direction it is run
+  // along.
+  struct Edge {
+    std::uint32_t higher;
+    int direction;
+  };
+  std::vector<std::size_t> end(mesh.vertices.size() + 1, 0);
+  for_each_edge([&](std::uint32_t a, std::uint32_t b) { ++end[std::min(a, b) + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<Edge> edges(end.back());
   if (edges.empty()) return false;
-  std::sort(edges.begin(), edges.end());
-  std::vector<Edge> reversed;
-  reversed.reserve(edges.size());
-  for (const Edge& edge : edges) reversed.emplace_back(edge.second, edge.first);
-  std::sort(reversed.begin(), reversed.end());
-  return edges == reversed;
+  for_each_edge([&](std::uint32_t a, std::uint32_t b) {
+    edges[end[std::min(a, b)]++] = a < b ? Edge{b, 1} : Edge{a, -1};
+  });
+  std::vector<std::int64_t> balance(mesh.vertices.size(), 0);
+  std::size_t first = 0;
+  for (std::size_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
+    const std::size_t last = end[vertex];
+    for (std::size_t i = first; i < last; ++i) balance[edges[i].higher] += edges[i].direction;
+    for (; first < last; ++first)
+      if (balance[edges[first].higher] != 0) return false;
+  }
+  return true;
 }
 
 }  // namespace perch

@@ -3,7 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <limits>
+#include <utility>
+
+#include "perch/core/random.hpp"
 
 namespace perch {
 namespace {
@@ -104,6 +109,43 @@ TEST(Mesh, IsASolidWhereFourTrianglesMeetAtAnEdge) {
   EXPECT_FALSE(is_closed(open));
   for (std::size_t i = 8; i < 16; ++i) mesh.vertices[i].x() += 1.0F;
   EXPECT_TRUE(is_closed(mesh)) << "two boxes apart";
+}
+
+/// As the definition says, edge by edge.
+bool every_edge_runs_both_ways(const Mesh& mesh) {
+  std::vector<std::pair<Eigen::Vector3f, Eigen::Vector3f>> edges;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Eigen::Vector3f &a = mesh.vertices[i], &b = mesh.vertices[j], &c = mesh.vertices[k];
+    if (a == b || b == c || c == a) continue;
+    edges.insert(edges.end(), {{a, b}, {b, c}, {c, a}});
+  }
+  return !edges.empty() && std::all_of(edges.begin(), edges.end(), [&](const auto& edge) {
+    return std::count(edges.begin(), edges.end(), edge) ==
+           std::count(edges.begin(), edges.end(), std::pair(edge.second, edge.first));
+  });
+}
+
+TEST(Mesh, IsClosedExactlyWhereEveryEdgeRunsBothWays) {
+  int closed = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    Random random(seed);
+    Mesh mesh;  // a few tetrahedra on the corners of a small lattice, most of which touch
+    for (std::size_t n = 1 + random.below(4); n > 0; --n) {
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      const auto place = [&] { return static_cast<float>(random.below(2)); };
+      for (int i = 0; i < 4; ++i) mesh.vertices.emplace_back(place(), place(), place());
+      for (const auto& [a, b, c] : {std::array{0U, 2U, 1U}, {0U, 1U, 3U}, {1U, 2U, 3U}, {2U, 0U, 3U}})
+        mesh.triangles.push_back({first + a, first + b, first + c});
+    }
+    if (random.below(2) == 0) {
+      auto& triangle = mesh.triangles[random.below(mesh.triangles.size())];
+      std::swap(triangle[0], triangle[random.below(3)]);
+    }
+    closed += is_closed(mesh);
+    ASSERT_EQ(is_closed(mesh), every_edge_runs_both_ways(mesh)) << "seed " << seed;
+  }
+  EXPECT_GT(closed, 100);
+  EXPECT_LT(closed, 250);
 }
 
 TEST(Mesh, MergesZerosOfEitherSign) {
