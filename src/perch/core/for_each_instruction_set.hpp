@@ -3,6 +3,9 @@
 // kernels need of the standard library is included before. Results are the same on all: no fused multiply-add
 // (-ffp-contract=off), and the same operations in the same order.
 //
+// PERCH_X86_64_LEVEL says which one it is, since the compiler's own macros (__AVX__) don't change with the
+// target inside a file.
+//
 // Not target_clones: it takes vectors apart for the oldest processor before it makes the clones.
 
 #include "perch/core/instruction_set.hpp"
@@ -14,26 +17,32 @@
 namespace perch {
 namespace {
 
+#define PERCH_X86_64_LEVEL 1
 namespace baseline {
 #include "perch/core/lanes.inc"
 #include PERCH_KERNELS
 }  // namespace baseline
+#undef PERCH_X86_64_LEVEL
 
 #ifdef PERCH_INSTRUCTION_SETS
 #pragma GCC push_options
 #pragma GCC target("arch=x86-64-v3")
+#define PERCH_X86_64_LEVEL 3
 namespace x86_64_v3 {
 #include "perch/core/lanes.inc"
 #include PERCH_KERNELS
 }  // namespace x86_64_v3
+#undef PERCH_X86_64_LEVEL
 #pragma GCC pop_options
 
 #pragma GCC push_options
 #pragma GCC target("arch=x86-64-v4")
+#define PERCH_X86_64_LEVEL 4
 namespace x86_64_v4 {
 #include "perch/core/lanes.inc"
 #include PERCH_KERNELS
 }  // namespace x86_64_v4
+#undef PERCH_X86_64_LEVEL
 #pragma GCC pop_options
 #endif
 
