@@ -1,72 +1,76 @@
 #include "perch/model/distance_transform.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <limits>
+
+#include "perch/core/instruction_set.hpp"
 
 namespace perch {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr int block = 2 * lane_count;  ///< columns worked on together
 
-/// The lower envelope of parabolas rooted at (i, line[i]), evaluated at every i.
-class LowerEnvelope {
- public:
-  explicit LowerEnvelope(int longest)
-      : line(static_cast<std::size_t>(longest)), roots_(line.size()), borders_(line.size() + 1) {}
+}  // namespace
+}  // namespace perch
 
-  std::vector<float> line;
+#define PERCH_KERNELS "perch/model/distance_transform.inc"
+#include "perch/core/for_each_instruction_set.hpp"
 
-  void transform(std::size_t n, float* out, std::size_t stride) {
-    std::size_t count = 0;
-    for (std::size_t q = 0; q < n; ++q) {
-      if (line[q] == infinity) continue;
-      float border = -infinity;
-      while (count > 0) {
-        const std::size_t p = roots_[count - 1];
-        const float fq = static_cast<float>(q), fp = static_cast<float>(p);
-        border = ((line[q] + fq * fq) - (line[p] + fp * fp)) / (2.0F * (fq - fp));
-        if (border > borders_[count - 1]) break;
-        --count;
-        border = -infinity;
-      }
-      roots_[count] = q;
-      borders_[count] = border;
-      ++count;
-    }
-    if (count == 0) {
-      for (std::size_t q = 0; q < n; ++q) out[q * stride] = infinity;
-      return;
-    }
-    std::size_t k = 0;
-    for (std::size_t q = 0; q < n; ++q) {
-      const float fq = static_cast<float>(q);
-      while (k + 1 < count && borders_[k + 1] < fq) ++k;
-      const float d = fq - static_cast<float>(roots_[k]);
-      out[q * stride] = d * d + line[roots_[k]];
+namespace perch {
+namespace {
+
+constexpr std::size_t columns_at_once = 512;  // of a task; their distances stay in the first cache
+
+/// Squared distances along z, from 0 and infinity, for some columns of all planes: there and back.
+void transform_columns(float* grid, std::size_t plane, std::size_t planes, std::size_t columns) {
+  std::vector<float> distance(columns, infinity);
+  for (std::size_t k = 0; k < planes; ++k) {
+    float* row = grid + k * plane;
+    for (std::size_t i = 0; i < columns; ++i) row[i] = distance[i] = std::min(row[i], distance[i] + 1.0F);
+  }
+  for (std::size_t k = planes; k-- > 0;) {
+    float* row = grid + k * plane;
+    for (std::size_t i = 0; i < columns; ++i) {
+      distance[i] = std::min(row[i], distance[i] + 1.0F);
+      row[i] = distance[i] * distance[i];
     }
   }
-
- private:
-  std::vector<std::size_t> roots_;
-  std::vector<float> borders_;
-};
+}
 
 }  // namespace
 
-void squared_distance_transform(std::vector<float>& grid, const Eigen::Vector3i& size) {
-  LowerEnvelope envelope(size.maxCoeff());
-  const std::size_t nx = static_cast<std::size_t>(size.x()), ny = static_cast<std::size_t>(size.y()),
-                    nz = static_cast<std::size_t>(size.z());
-  const auto pass = [&](std::size_t start, std::size_t n, std::size_t stride) {
-    for (std::size_t q = 0; q < n; ++q) envelope.line[q] = grid[start + q * stride];
-    envelope.transform(n, grid.data() + start, stride);
+void squared_distance_transform(std::vector<float>& grid, const Eigen::Vector3i& size,
+                                const Executor& executor, const StopCondition& stop) {
+  const auto width = static_cast<std::size_t>(size.x()), height = static_cast<std::size_t>(size.y()),
+             planes = static_cast<std::size_t>(size.z()), plane = width * height;
+  const auto for_each = [&](std::size_t n, const Executor::Body& body) {
+    if (!executor.for_each(n, body, stop)) throw Interrupted();
   };
-  for (std::size_t k = 0; k < nz; ++k)
-    for (std::size_t j = 0; j < ny; ++j) pass((k * ny + j) * nx, nx, 1);
-  for (std::size_t k = 0; k < nz; ++k)
-    for (std::size_t i = 0; i < nx; ++i) pass(k * ny * nx + i, ny, nx);
-  for (std::size_t j = 0; j < ny; ++j)
-    for (std::size_t i = 0; i < nx; ++i) pass(j * nx + i, nz, nx * ny);
+  for_each((plane + columns_at_once - 1) / columns_at_once, [&](std::size_t task, std::size_t) {
+    const std::size_t first = task * columns_at_once;
+    transform_columns(grid.data() + first, plane, planes, std::min(columns_at_once, plane - first));
+  });
+
+  const std::size_t pitch = (width + block - 1) / block * block + 2 * block;
+  struct Scratch {
+    std::vector<float> rows, columns;
+  };
+  std::vector<Scratch> scratch(executor.workers());
+  for_each(planes, [&](std::size_t k, std::size_t worker) {
+    auto& [rows, columns] = scratch[worker];
+    rows.assign(pitch * height, infinity);
+    columns.assign(pitch * height, infinity);
+    for (std::size_t j = 0; j < height; ++j)
+      std::copy_n(&grid[k * plane + j * width], width, &rows[j * pitch + block]);
+    PERCH_CALL(transform_plane, rows.data(), columns.data(), size.x(), size.y(),
+               static_cast<std::ptrdiff_t>(pitch));
+    for (std::size_t j = 0; j < height; ++j)
+      std::copy_n(&rows[j * pitch + block], width, &grid[k * plane + j * width]);
+  });
 }
 
 }  // namespace perch

@@ -91,7 +91,7 @@ SolidVolume::SolidVolume(const Mesh& mesh, double margin) : solid_(is_closed(mes
   sample_radius_ = seed_spacing / sqrt3 + 2.0F * sqrt3 * voxel_;
   field_error_ = half_diagonal_ + seed_spacing / sqrt3;
 
-  squared_distance_transform(field_, size_);
+  squared_distance_transform(field_, size_, SerialExecutor());
   std::vector<char> inside(field_.size(), 0);
   if (solid_) mark_inside(mesh, inside);
   for (std::size_t i = 0; i < field_.size(); ++i) {
