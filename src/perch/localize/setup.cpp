@@ -32,7 +32,7 @@ std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Sett
           [&](std::size_t i, std::size_t) {
             const SceneModel& model = scene.models[i];
             made[i].emplace(model.name, model.mesh, model.symmetry, table + model.base,
-                            ExplainedBound::field_margin(settings.candidates.cost.delta));
+                            ExplainedBound::field_margin(settings.candidates.cost.delta), executor, stop);
           },
           stop))
     throw Interrupted();

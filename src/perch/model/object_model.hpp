@@ -15,7 +15,10 @@ class ObjectModel {
  public:
   /// \param mesh stood on z = 0, metres, without mesh_fault. \param origin_z world height of the mesh's z =
   /// 0. \param margin how far around the surface the solid's distance field must reach, metres.
-  ObjectModel(std::string name, Mesh mesh, Symmetry symmetry, double origin_z, double margin);
+  /// \param executor among whose workers the work is shared. Throws Interrupted when the stop condition
+  /// strikes.
+  ObjectModel(std::string name, Mesh mesh, Symmetry symmetry, double origin_z, double margin,
+              const Executor& executor = SerialExecutor(), const StopCondition& stop = StopCondition());
 
   const std::string& name() const { return name_; }
   const Mesh& mesh() const { return mesh_; }

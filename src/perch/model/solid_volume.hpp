@@ -1,9 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "perch/model/mesh.hpp"
+#include "perch/model/voxel_grid.hpp"
+#include "perch/parallel/executor.hpp"
 
 namespace perch {
 
@@ -14,7 +17,10 @@ class SolidVolume {
  public:
   SolidVolume() = default;
   /// \param margin how far around the mesh the field reaches, metres.
-  SolidVolume(const Mesh& mesh, double margin);
+  /// \param executor among whose workers the work is shared; the result is the same for any. Throws
+  /// Interrupted when the stop condition strikes.
+  SolidVolume(const Mesh& mesh, double margin, const Executor& executor = SerialExecutor(),
+              const StopCondition& stop = StopCondition());
 
   /// True where the mesh is closed, so that it has an inside.
   bool is_solid() const { return solid_; }
@@ -36,7 +42,8 @@ class SolidVolume {
     const float* values;
   };
   Field field() const {
-    return {voxel_, origin_.x(), origin_.y(), origin_.z(), size_.x(), size_.y(), size_.z(), field_.data()};
+    return {grid_.voxel,    grid_.origin.x(), grid_.origin.y(), grid_.origin.z(),
+            grid_.size.x(), grid_.size.y(),   grid_.size.z(),   field_.data()};
   }
   float field_error() const { return field_error_; }
   /// What lies outside the field is farther from the mesh's box than this, metres.
@@ -51,23 +58,11 @@ class SolidVolume {
   float greatest_depth() const { return greatest_depth_; }
 
  private:
-  std::size_t index(int i, int j, int k) const {
-    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size_.y()) + static_cast<std::size_t>(j)) *
-               static_cast<std::size_t>(size_.x()) +
-           static_cast<std::size_t>(i);
-  }
-  Eigen::Vector3f centre(int i, int j, int k) const {
-    return origin_ +
-           voxel_ * Eigen::Vector3f(static_cast<float>(i), static_cast<float>(j), static_cast<float>(k));
-  }
   bool find_voxel(const Eigen::Vector3f& p, std::size_t& voxel, float& distance) const;
-  void sample_interior(const std::vector<char>& inside);
-  void mark_inside(const Mesh& mesh, std::vector<char>& inside) const;
+  void sample_interior(const std::vector<std::uint16_t>& winding);
 
   bool solid_ = false;
-  float voxel_ = 0.0F;
-  Eigen::Vector3f origin_ = Eigen::Vector3f::Zero();  ///< centre of voxel (0, 0, 0)
-  Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
+  VoxelGrid grid_;
   std::vector<float> field_;  ///< signed distance at the voxels' centres
   float field_error_ = 0.0F;
   float reach_ = 0.0F;
@@ -77,8 +72,5 @@ class SolidVolume {
   std::vector<Eigen::Vector3f> interior_;
   float greatest_depth_ = 0.0F;
 };
-
-/// Points on the mesh's triangles such that every point of the surface has one within spacing / sqrt(3).
-std::vector<Eigen::Vector3f> sample_surface(const Mesh& mesh, float spacing);
 
 }  // namespace perch

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "perch/core/random.hpp"
+#include "perch/model/surface_samples.hpp"
 
 namespace perch {
 namespace {
@@ -271,6 +272,26 @@ TEST(SolidVolume, SamplesItsSurfaceAndItsInside) {
     for (std::size_t i = 0; i < volume.interior_samples().size(); i += 17)
       ASSERT_GT(true_depth(mesh, volume.interior_samples()[i].cast<double>()), -1e-6) << name;
   }
+}
+
+TEST(SolidVolume, IsTheSameForEveryExecutor) {
+  const ThreadExecutor three(3);
+  for (const auto& [name, mesh] : solids()) {
+    const SolidVolume serial(mesh, margin), shared(mesh, margin, three);
+    const SolidVolume::Field a = serial.field(), b = shared.field();
+    const std::size_t voxels = static_cast<std::size_t>(a.size_x) * static_cast<std::size_t>(a.size_y) *
+                               static_cast<std::size_t>(a.size_z);
+    EXPECT_TRUE(std::equal(a.values, a.values + voxels, b.values)) << name;
+    EXPECT_EQ(serial.surface_samples(), shared.surface_samples()) << name;
+    EXPECT_EQ(serial.interior_samples(), shared.interior_samples()) << name;
+    EXPECT_EQ(serial.greatest_depth(), shared.greatest_depth()) << name;
+  }
+}
+
+TEST(SolidVolume, IsLeftUnfinishedWhenInterrupted) {
+  StopCondition stop;
+  stop.cancel();
+  EXPECT_THROW(SolidVolume(cup(), margin, SerialExecutor(), stop), Interrupted);
 }
 
 TEST(SampleSurface, ComesCloseToEveryPoint) {

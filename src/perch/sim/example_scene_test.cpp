@@ -13,6 +13,7 @@
 #include "perch/io/png.hpp"
 #include "perch/io/scene_file.hpp"
 #include "perch/model/solid_volume.hpp"
+#include "perch/model/surface_samples.hpp"
 #include "perch/sim/footprint.hpp"
 #include "perch/sim/parametric_models.hpp"
 #include "perch/sim/scene_folder.hpp"

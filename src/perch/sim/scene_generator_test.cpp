@@ -7,6 +7,7 @@
 
 #include "perch/core/error.hpp"
 #include "perch/model/solid_volume.hpp"
+#include "perch/model/surface_samples.hpp"
 #include "perch/render/rasterizer.hpp"
 #include "perch/sim/footprint.hpp"
 #include "perch/sim/parametric_models.hpp"
