@@ -12,7 +12,7 @@ namespace perch {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr int block = 2 * lane_count;  ///< columns worked on together
+constexpr int block_width = 2 * lane_count;  ///< columns worked on together
 
 }  // namespace
 }  // namespace perch
@@ -55,7 +55,7 @@ void squared_distance_transform(std::vector<float>& grid, const Eigen::Vector3i&
     transform_columns(grid.data() + first, plane, planes, std::min(columns_at_once, plane - first));
   });
 
-  const std::size_t pitch = (width + block - 1) / block * block + 2 * block;
+  const std::size_t pitch = (width + block_width - 1) / block_width * block_width + 2 * block_width;
   struct Scratch {
     std::vector<float> rows, columns;
   };
@@ -65,11 +65,11 @@ void squared_distance_transform(std::vector<float>& grid, const Eigen::Vector3i&
     rows.assign(pitch * height, infinity);
     columns.assign(pitch * height, infinity);
     for (std::size_t j = 0; j < height; ++j)
-      std::copy_n(&grid[k * plane + j * width], width, &rows[j * pitch + block]);
+      std::copy_n(&grid[k * plane + j * width], width, &rows[j * pitch + block_width]);
     PERCH_CALL(transform_plane, rows.data(), columns.data(), size.x(), size.y(),
                static_cast<std::ptrdiff_t>(pitch));
     for (std::size_t j = 0; j < height; ++j)
-      std::copy_n(&rows[j * pitch + block], width, &grid[k * plane + j * width]);
+      std::copy_n(&rows[j * pitch + block_width], width, &grid[k * plane + j * width]);
   });
 }
 

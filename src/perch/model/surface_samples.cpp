@@ -51,19 +51,24 @@ std::vector<Eigen::Vector3f> mark_surface(const Mesh& mesh, float spacing, const
   std::vector<std::vector<First>> first_of_part(parts);
   const auto mark_part = [&](std::size_t part, std::size_t) {
     std::vector<char> taken(cells, 0);
+    std::vector<First>& firsts = first_of_part[part];
+    // By value, so that nothing is read again after what is written.
+    const auto mark = [=, values = field.data(), cell_taken = taken.data(), voxel = grid.voxel,
+                       &firsts](const Eigen::Array4f& p) {
+      // The nearest: all numbers are positive.
+      const Eigen::Array4f at = (p - origin) / voxel + 0.5F;
+      const auto x = static_cast<std::size_t>(static_cast<int>(at[0])),
+                 y = static_cast<std::size_t>(static_cast<int>(at[1])),
+                 z = static_cast<std::size_t>(static_cast<int>(at[2]));
+      // Others may set it at the same time, to the same.
+      std::atomic_ref(values[z * plane + y * width + x]).store(0.0F, std::memory_order_relaxed);
+      const std::size_t cell = z / 2 * cells_plane + y / 2 * cells_across + x / 2;
+      if (!std::exchange(cell_taken[cell], 1)) firsts.push_back({cell, p.head<3>()});
+    };
     const std::size_t first = part * mesh.triangles.size() / parts,
                       last = (part + 1) * mesh.triangles.size() / parts;
     for (std::size_t triangle = first; triangle < last; ++triangle)
-      for_each_sample(mesh, triangle, spacing, [&](const Eigen::Array4f& p) {
-        // The nearest: all numbers are positive.
-        const Eigen::Array4i at = ((p - origin) / grid.voxel + 0.5F).cast<int>();
-        const std::size_t x = static_cast<std::size_t>(at[0]), y = static_cast<std::size_t>(at[1]),
-                          z = static_cast<std::size_t>(at[2]);
-        // Others may set it at the same time, to the same.
-        std::atomic_ref(field[z * plane + y * width + x]).store(0.0F, std::memory_order_relaxed);
-        const std::size_t cell = z / 2 * cells_plane + y / 2 * cells_across + x / 2;
-        if (!std::exchange(taken[cell], 1)) first_of_part[part].push_back({cell, p.head<3>()});
-      });
+      for_each_sample(mesh, triangle, spacing, mark);
   };
   if (!executor.for_each(parts, mark_part, stop)) throw Interrupted();
 
