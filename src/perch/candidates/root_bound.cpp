@@ -13,6 +13,7 @@ constexpr std::size_t promising = 16;     // of each model
 constexpr std::size_t near_priors = 8;    // for each: some may collide with what stands at another one
 constexpr std::size_t most_valued = 256;  // in a step: what they show may rule out the others
 constexpr int step_iterations = 40;       // of the dual
+constexpr double worth_another = 0.95;    // of the gap to what is enough is left
 
 std::vector<std::size_t> places(const std::vector<char>& chosen) {
   std::vector<std::size_t> result;
@@ -126,8 +127,21 @@ std::vector<Weight> RootBound::most_worth() const {
 
 RootBound::Step RootBound::step(std::int64_t upper_bound, double enough, const StopCondition& stop) {
   dual_.add(candidates_.set(), executor_);
-  dual_.ascend(step_iterations, upper_bound, 0.5 * (enough + static_cast<double>(upper_bound)), executor_,
-               stop);
+  for (;;) {
+    const std::int64_t before = lower_bound_;
+    dual_.ascend(step_iterations, upper_bound, 0.5 * (enough + static_cast<double>(upper_bound)), executor_,
+                 stop);
+    const std::vector<std::size_t> which = price(upper_bound, enough);
+    if (static_cast<double>(lower_bound_) >= enough) return Step::complete;
+    if (!which.empty()) return candidates_.value(which, stop) ? Step::valued : Step::interrupted;
+    const auto gap = [&](std::int64_t bound) { return enough - static_cast<double>(bound); };
+    if (gap(lower_bound_) > worth_another * gap(before)) return Step::complete;
+    if (stop()) return Step::interrupted;
+  }
+}
+
+/// Raises the lower bound to what the weights prove, and names the hypotheses to be valued.
+std::vector<std::size_t> RootBound::price(std::int64_t upper_bound, double enough) {
   const std::vector<Weight> worth = most_worth();
   const auto& open = candidates_.open();
 
@@ -143,7 +157,7 @@ RootBound::Step RootBound::step(std::int64_t upper_bound, double enough, const S
     copies += k;
   }
   lower_bound_ = std::clamp(Lagrangian::count(bound), lower_bound_, std::max(lower_bound_, upper_bound));
-  if (static_cast<double>(lower_bound_) >= enough) return Step::complete;
+  if (static_cast<double>(lower_bound_) >= enough) return {};
 
   // How much less than the best of its model a hypothesis must be worth to be of no use: less than nothing
   // where the bound has room to fall to what is enough; else so little that no scene with it is better.
@@ -156,12 +170,11 @@ RootBound::Step RootBound::step(std::int64_t upper_bound, double enough, const S
   std::vector<std::size_t> which;
   for (std::size_t i = 0; i < open.size(); ++i)
     if (deficit(i) <= margin) which.push_back(i);
-  if (which.empty()) return Step::complete;
   std::stable_sort(which.begin(), which.end(),
                    [&](std::size_t a, std::size_t b) { return deficit(a) < deficit(b); });
   which.resize(std::min(which.size(), margin < 0 ? std::max(most_valued, which.size() / 2) : most_valued));
   std::sort(which.begin(), which.end());
-  return candidates_.value(which, stop) ? Step::valued : Step::interrupted;
+  return which;
 }
 
 }  // namespace perch

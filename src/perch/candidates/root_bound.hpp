@@ -50,6 +50,7 @@ class RootBound {
                        const std::vector<int>& wanted, const std::vector<CandidateId>& placed,
                        const StopCondition& stop);
   bool value_unseen_models(const StopCondition& stop);
+  std::vector<std::size_t> price(std::int64_t upper_bound, double enough);
   /// Of each open hypothesis: at most what it is worth.
   std::vector<Lagrangian::Weight> most_worth() const;
 
