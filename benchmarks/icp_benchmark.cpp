@@ -38,7 +38,7 @@ struct Alignment {
     const SurfaceViews::View view = views.from(eye, start);
     visible_samples(view.samples, {start.x, start.y, view.yaw}, model.origin_z(), nullptr, observation,
                     settings.occlusion, samples, sight);
-    return align(samples, start, false, table, reach, settings);
+    return align(samples, start, false, table, reach, settings).pose;
   }
 
   /// Gauss-Newton on point-to-plane distances with the same weights, by homogeneous transforms, in double.

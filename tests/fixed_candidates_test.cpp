@@ -45,7 +45,7 @@ bool same(const Candidate& a, const Candidate& b) {
 bool same(const std::vector<FixedCandidates::Hypothesis>& a,
           const std::vector<FixedCandidates::Hypothesis>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
-    return x.model == y.model && x.pose == y.pose && x.residual == y.residual && x.window == y.window &&
+    return x.model == y.model && x.pose == y.pose && x.misfit == y.misfit && x.window == y.window &&
            same(x.near, y.near);
   });
 }

@@ -19,7 +19,7 @@ void CandidateMaker::render(std::size_t model, const Pose& pose, DepthPatch& pat
 std::optional<Candidate> CandidateMaker::make(std::size_t model, const Pose& grid_pose,
                                               const DepthPatch* in_front) {
   seen_ = {};
-  return value(model, problem_.nearest() == nullptr ? grid_pose : refine(model, grid_pose, in_front));
+  return value(model, problem_.nearest() == nullptr ? grid_pose : refine(model, grid_pose, in_front).pose);
 }
 
 std::optional<Candidate> CandidateMaker::value(std::size_t model, const Pose& pose) {
@@ -31,7 +31,7 @@ std::optional<Candidate> CandidateMaker::value(std::size_t model, const Pose& po
 std::optional<Placing> CandidateMaker::place(const Composite& others, std::size_t model, const Pose& pose,
                                              bool align, std::int64_t most) {
   const bool refines = problem_.nearest() != nullptr;
-  Placing placing{align && refines ? refine(model, pose, &others.depth) : pose, {}};
+  Placing placing{align && refines ? refine(model, pose, &others.depth).pose : pose, {}};
   render(model, placing.pose);
   if (!patch_.any()) return std::nullopt;
   const ThreadStopwatch watch;
@@ -53,26 +53,19 @@ void CandidateMaker::sample(std::size_t model, const Pose& pose, const DepthPatc
                   observation, problem_.settings().refine.occlusion, samples_, seen_);
 }
 
-float CandidateMaker::residual(std::size_t model, const Pose& pose) {
-  if (problem_.nearest() == nullptr) return 0.0F;
-  const ThreadStopwatch watch;
-  sample(model, pose, nullptr);
-  const double residual = mean_residual(samples_, *problem_.nearest(), problem_.settings().cost.delta);
-  seconds_.refine += watch.seconds();
-  return static_cast<float>(residual);
-}
-
-Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front) {
+Alignment CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front) {
   const ThreadStopwatch watch;
   const CandidateSettings& settings = problem_.settings();
   const Workspace& workspace = problem_.workspace(model);
   const Symmetry& symmetry = problem_.models()[model].symmetry();
-  Pose pose = grid_pose;
+  Alignment refined{grid_pose};
+  Pose& pose = refined.pose;
   for (int round = 0; round < settings.refine.rounds; ++round) {
     sample(model, pose, in_front);
-    Pose moved = align(samples_, pose, symmetry.is_continuous(), *problem_.nearest(), settings.icp_reach(),
-                       settings.refine);
+    auto [moved, misfit] = align(samples_, pose, symmetry.is_continuous(), *problem_.nearest(),
+                                 settings.icp_reach(), settings.refine);
     ++work_.alignments;
+    refined.misfit = misfit;
     moved.x = std::clamp(moved.x, workspace.x_min, workspace.x_max);
     moved.y = std::clamp(moved.y, workspace.y_min, workspace.y_max);
     moved.yaw = symmetry.canonical_yaw(moved.yaw);
@@ -80,7 +73,7 @@ Pose CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const Dept
     pose = moved;
   }
   seconds_.refine += watch.seconds();
-  return pose;
+  return refined;
 }
 
 Candidate CandidateMaker::value_rendered(std::size_t model, const Pose& pose) {

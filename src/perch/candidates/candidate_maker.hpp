@@ -39,12 +39,10 @@ class CandidateMaker {
  public:
   explicit CandidateMaker(const LocalizationProblem& problem);
 
-  /// The grid pose refined (if at all), nothing in front.
-  Pose refined(std::size_t model, const Pose& grid_pose) {
-    return problem_.nearest() == nullptr ? grid_pose : refine(model, grid_pose, nullptr);
+  /// The grid pose refined, nothing in front; the grid pose itself, without misfit, where nothing is refined.
+  Alignment refined(std::size_t model, const Pose& grid_pose) {
+    return problem_.nearest() == nullptr ? Alignment{grid_pose, 0.0} : refine(model, grid_pose, nullptr);
   }
-  /// The mean residual of an object's visible points at a pose; 0 where nothing is refined.
-  float residual(std::size_t model, const Pose& pose);
   /// The candidate that grows from a grid pose: refined (if at all) with `in_front`, the parent scene, hiding
   /// part of it; then valued alone. Empty where no pixel of the object is in view.
   std::optional<Candidate> make(std::size_t model, const Pose& grid_pose,
@@ -83,7 +81,7 @@ class CandidateMaker {
   void render(std::size_t model, const Pose& pose) { render(model, pose, patch_); }
   /// Writes what of an object ICP can make use of into samples_.
   void sample(std::size_t model, const Pose& pose, const DepthPatch* in_front);
-  Pose refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front);
+  Alignment refine(std::size_t model, const Pose& grid_pose, const DepthPatch* in_front);
   Candidate value_rendered(std::size_t model, const Pose& pose);
 
   const LocalizationProblem& problem_;

@@ -25,10 +25,10 @@ bool FixedCandidates::refine(const StopCondition& stop) {
     std::vector<std::optional<Hypothesis>> refined(poses);
     if (!for_each_batched(executor_, poses, batch, stop, [&](std::size_t i, std::size_t worker) {
           CandidateMaker& maker = makers_[worker];
-          const Pose pose = maker.refined(model, grid.pose(static_cast<std::int64_t>(i)));
+          const auto [pose, misfit] = maker.refined(model, grid.pose(static_cast<std::int64_t>(i)));
           const Window window = problem_.window(model, pose);
           if (!window.empty())
-            refined[i] = Hypothesis{model, pose, maker.residual(model, pose), window,
+            refined[i] = Hypothesis{model, pose, static_cast<float>(misfit), window,
                                     problem_.explained_bound().blocks(
                                         problem_.models()[model], problem_.camera_from_model(model, pose))};
         }))

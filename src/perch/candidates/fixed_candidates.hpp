@@ -16,10 +16,8 @@ class FixedCandidates {
  public:
   struct Hypothesis {
     std::size_t model = 0;
-    Pose pose;  ///< after ICP; no two with the same model are equal to the bit
-    /// How far the visible points of its surface lie from I, see mean_residual: a guess at what it leaves
-    /// unexplained. 0 where nothing is refined.
-    float residual = 0.0F;
+    Pose pose;              ///< after ICP; no two with the same model are equal to the bit
+    float misfit = 0.0F;    ///< see Alignment: a guess at what it leaves unexplained
     Window window;          ///< that holds its rendering
     std::vector<Run> near;  ///< blocks of I that hold what it explains
   };

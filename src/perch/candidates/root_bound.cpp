@@ -69,7 +69,7 @@ bool RootBound::value_promising(const std::vector<std::vector<std::int64_t>>& po
     choose(
         open, model, promising,
         [&](std::size_t i) {
-          return -static_cast<double>(most[i]) * (1.0 - static_cast<double>(open[i].residual));
+          return -static_cast<double>(most[i]) * (1.0 - static_cast<double>(open[i].misfit));
         },
         [&](std::size_t i) {
           return std::none_of(placed.begin(), placed.end(), [&](CandidateId id) {

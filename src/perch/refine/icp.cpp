@@ -75,14 +75,16 @@ double longest_arm(const SurfaceSamples& samples, const Pose& pose) {
 
 }  // namespace
 
-Pose align(const SurfaceSamples& samples, const Pose& pose, bool fix_yaw, const NearestTable& observed,
-           double reach, const RefineSettings& settings) {
-  constexpr double smallest_step =
-      5e-5;  // metres, also at the arm's end of a turn: below what the sensor can show
+Alignment align(const SurfaceSamples& samples, const Pose& pose, bool fix_yaw, const NearestTable& observed,
+                double reach, const RefineSettings& settings) {
+  // Metres, also at the arm's end of a turn. Smaller steps go on along what little an occluded surface says,
+  // away from the pose as often as towards it.
+  constexpr double smallest_step = 2e-4;
   constexpr double damping =
       1e-2;  // of the points' weight: holds what the visible surface leaves undetermined
   const double arm = longest_arm(samples, pose);
-  if (arm == 0.0) return pose;
+  Alignment found{pose};
+  if (arm == 0.0) return found;
   AlignFrame frame{observed.cells(),
                    samples.size(),
                    samples.x.data(),
@@ -101,7 +103,7 @@ Pose align(const SurfaceSamples& samples, const Pose& pose, bool fix_yaw, const 
                    static_cast<float>(settings.robust_scale),
                    fix_yaw ? 0.0F : static_cast<float>(1.0 / arm)};
   const double least = settings.least_matched * static_cast<double>(samples.size());
-  Pose moved = pose;
+  Pose& moved = found.pose;
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     frame.moved_x = static_cast<float>(moved.x);
     frame.moved_y = static_cast<float>(moved.y);
@@ -109,6 +111,7 @@ Pose align(const SurfaceSamples& samples, const Pose& pose, bool fix_yaw, const 
     frame.sine = static_cast<float>(std::sin(moved.yaw - pose.yaw));
     AlignSums sums;
     PERCH_CALL(sum_up, frame, sums);
+    found.misfit = 1.0 - sums.weight / static_cast<double>(samples.size());
     if (sums.matched == 0 || (iteration == 0 && static_cast<double>(sums.matched) < least)) break;
     Eigen::Matrix3d normal_matrix;
     normal_matrix << sums.xx, sums.xy, sums.xt, sums.xy, sums.yy, sums.yt, sums.xt, sums.yt, sums.tt;
@@ -119,7 +122,7 @@ Pose align(const SurfaceSamples& samples, const Pose& pose, bool fix_yaw, const 
     moved.yaw += fix_yaw ? 0.0 : step.z() / arm;
     if (step.norm() < smallest_step) break;
   }
-  return moved;
+  return found;
 }
 
 double mean_residual(const SurfaceSamples& samples, const NearestTable& observed, double limit) {

@@ -26,13 +26,21 @@ struct RefineSettings {
   void check() const;
 };
 
+struct Alignment {
+  Pose pose;
+  /// 1 - the samples' mean weight before the last step, where those without a point of I near weigh nothing.
+  double misfit = 1.0;
+
+  friend bool operator==(const Alignment&, const Alignment&) = default;
+};
+
 /// ICP in (x, y, yaw): moves the samples (world frame) of an object at `pose` onto I by point-to-plane
 /// distances along the samples' normals with the robust weight 1 / (1 + |e| / robust_scale) (Chen and Medioni
 /// 1992; weight of the "fair" M-estimator). \param fix_yaw for solids of revolution. \return the pose after
-/// the last step; `pose` itself where fewer than `least_matched` of the samples lie within reach of I at the
+/// the last step; the pose given where fewer than `least_matched` of the samples lie within reach of I at the
 /// start.
-Pose align(const SurfaceSamples& samples, const Pose& pose, bool fix_yaw, const NearestTable& observed,
-           double reach, const RefineSettings& settings);
+Alignment align(const SurfaceSamples& samples, const Pose& pose, bool fix_yaw, const NearestTable& observed,
+                double reach, const RefineSettings& settings);
 
 /// The samples' mean distance from I along their normals, in units of `limit` (metres) and at most 1 each; 1
 /// for a sample that the table knows no observed point near to, and for no samples.

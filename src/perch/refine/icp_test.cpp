@@ -64,7 +64,7 @@ TEST(Icp, LeavesWhatTooFewSamplesFindAPointFor) {
       SCOPED_TRACE(testing::Message() << "step " << step << ", least " << least);
       bench.settings.least_matched = least;
       const bool enough = matched > 0 && matched >= least * static_cast<double>(samples.size());
-      const Pose found = align(samples, pose, false, table, reach, bench.settings);
+      const Pose found = align(samples, pose, false, table, reach, bench.settings).pose;
       EXPECT_EQ(found == pose, !enough);
       ++(enough ? moved : left);
     }
@@ -109,7 +109,7 @@ TEST(Icp, StaysWhereNothingIsNear) {
   const NearestTable table(observation, 0.02, bench.executor);
   const Pose start{0.15, 0.0, 0.5};
   EXPECT_EQ(bench.refine(object(wedge()), start, observation, table, 0.02), start);
-  EXPECT_EQ(align({}, start, false, table, 0.02, bench.settings), start);
+  EXPECT_EQ(align({}, start, false, table, 0.02, bench.settings), (Alignment{start, 1.0}));
 }
 
 // Samples pushed off a body along their normals lie that far from it.

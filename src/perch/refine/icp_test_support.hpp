@@ -122,7 +122,8 @@ struct RefineBench {
     const SurfaceViews seen = views(model);
     for (int round = 0; round < 3; ++round)
       pose = align(samples(seen, model, pose, observation), pose, model.symmetry().is_continuous(), table,
-                   reach, settings);
+                   reach, settings)
+                 .pose;
     return pose;
   }
 };
