@@ -23,8 +23,8 @@ class SceneBuilder {
   /// Greedily, beside what is `placed` already; an object of the model `first` comes first.
   std::optional<CandidateScene> greedy(std::optional<std::size_t> first,
                                        const std::vector<CandidateId>& placed = {}) const {
-    return greedy_scene(problem_, set_, PartialScene(problem_, set_, placed), makers_.front(),
-                        [&](const PartialScene& scene, std::vector<int>& choice) {
+    return greedy_scene(problem_, set_, UnfinishedScene(problem_, set_, placed), makers_.front(),
+                        [&](const UnfinishedScene& scene, std::vector<int>& choice) {
                           if (first && scene.placed.empty())
                             for (std::size_t model = 0; model < choice.size(); ++model)
                               if (model != *first) choice[model] = 0;
@@ -37,11 +37,16 @@ class SceneBuilder {
   void improve(CandidateScene& scene, CandidateId from = 0) const {
     for (int pass = 0; pass < most_passes; ++pass) {
       bool changed = false;
-      for (std::size_t place = 0; place < scene.candidates.size() && !stop_(); ++place)
-        if (improve(scene, place, from)) {
-          changed = true;
-          from = 0;
-        }
+      std::vector<Place> ready;  // of this very scene, the last one first
+      for (std::size_t place = 0; place < scene.candidates.size(); ++place) {
+        if (ready.empty() && !prepare(scene, place, from, ready)) break;
+        const Place here = std::move(ready.back());
+        ready.pop_back();
+        if (!exchange(here, scene, place)) continue;
+        changed = true;
+        from = 0;
+        ready.clear();
+      }
       if (!changed || stop_()) break;
     }
     std::sort(scene.candidates.begin(), scene.candidates.end());
@@ -53,40 +58,67 @@ class SceneBuilder {
                         [&](CandidateId other) { return problem_.collide(set_[id], set_[other]); });
   }
 
-  bool improve(CandidateScene& scene, std::size_t place, CandidateId from) const {
-    std::vector<CandidateId> others = scene.candidates;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(place));
-    Composite composite = problem_.cost().empty();
-    CandidateMaker& maker = makers_.front();
-    for (const CandidateId id : others)
-      problem_.cost().add(composite, maker.patch(set_[id]), maker.scratch());
-
-    // By ascending floor, until none of the rest can be cheaper.
-    const CandidateFloor floor_of(problem_.cost(), composite);
+  /// What a candidate is exchanged by: the others of the scene, and the candidates that may be cheaper, by
+  /// ascending floor.
+  struct Place {
+    std::vector<CandidateId> others;
+    Composite composite;
     std::vector<std::pair<std::int64_t, CandidateId>> by_floor;
+  };
+
+  /// Makes this place ready and, where there are more workers, some of those after it. False where the stop
+  /// condition struck.
+  bool prepare(const CandidateScene& scene, std::size_t place, CandidateId from,
+               std::vector<Place>& ready) const {
+    // What is made in vain must not be drawn.
+    const bool drawn = std::all_of(scene.candidates.begin(), scene.candidates.end(), [&](CandidateId id) {
+      return set_[id].absent || !set_[id].patch.window.empty();
+    });
+    ready.resize(drawn ? std::min(scene.candidates.size() - place, executor_.workers()) : 1);
+    return executor_.for_each(
+        ready.size(),
+        [&](std::size_t i, std::size_t worker) {
+          ready[ready.size() - 1 - i] = make_place(scene, place + i, from, makers_[worker]);
+        },
+        stop_);
+  }
+
+  Place make_place(const CandidateScene& scene, std::size_t place, CandidateId from,
+                   CandidateMaker& maker) const {
+    Place made{scene.candidates, problem_.cost().empty(), {}};
+    made.others.erase(made.others.begin() + static_cast<std::ptrdiff_t>(place));
+    for (const CandidateId id : made.others)
+      problem_.cost().add(made.composite, maker.patch(set_[id]), maker.scratch());
+    const CandidateFloor floor_of(problem_.cost(), made.composite);
     for (const CandidateId id : set_.of_model(set_[scene.candidates[place]].model)) {
-      if (id < from) continue;
+      if (id < from || id == scene.candidates[place]) continue;
       const std::int64_t floor = floor_of(set_[id]);
-      if (floor < scene.cost && id != scene.candidates[place]) by_floor.emplace_back(floor, id);
+      if (floor < scene.cost) made.by_floor.emplace_back(floor, id);
     }
-    std::sort(by_floor.begin(), by_floor.end());
+    std::sort(made.by_floor.begin(), made.by_floor.end());
+    return made;
+  }
+
+  /// Takes the best of the first candidates, until none of the rest can be cheaper. True where J fell.
+  bool exchange(const Place& here, CandidateScene& scene, std::size_t place) const {
     bool changed = false;
     std::vector<std::optional<std::int64_t>> costs;
-    for (std::size_t i = 0; i < std::min(by_floor.size(), most_exchanges); i += exchange_batch) {
-      if (by_floor[i].first >= scene.cost) break;
-      const std::size_t size = std::min(exchange_batch, by_floor.size() - i);
+    for (std::size_t i = 0; i < std::min(here.by_floor.size(), most_exchanges); i += exchange_batch) {
+      if (here.by_floor[i].first >= scene.cost) break;
+      const std::size_t size = std::min(exchange_batch, here.by_floor.size() - i);
       costs.assign(size, std::nullopt);
       executor_.for_each(
           size,
           [&](std::size_t k, std::size_t worker) {
-            const CandidateId id = by_floor[i + k].second;
-            if (fits(id, others)) costs[k] = makers_[worker].cost_with(composite, set_[id], scene.cost - 1);
+            const CandidateId id = here.by_floor[i + k].second;
+            if (fits(id, here.others))
+              costs[k] = makers_[worker].cost_with(here.composite, set_[id], scene.cost - 1);
           },
           stop_);
       for (std::size_t k = 0; k < size; ++k)
         if (costs[k] && *costs[k] < scene.cost) {
           scene.cost = *costs[k];
-          scene.candidates[place] = by_floor[i + k].second;
+          scene.candidates[place] = here.by_floor[i + k].second;
           changed = true;
         }
     }

@@ -13,21 +13,21 @@ std::int64_t scene_cost(const LocalizationProblem& problem, const CandidateSet& 
   return problem.cost().counts(composite).total();
 }
 
-PartialScene::PartialScene(const LocalizationProblem& problem, const CandidateSet& set,
-                           const std::vector<CandidateId>& candidates)
+UnfinishedScene::UnfinishedScene(const LocalizationProblem& problem, const CandidateSet& set,
+                                 const std::vector<CandidateId>& candidates)
     : left(problem.copies()), covered(problem.observation().size()) {
   for (const CandidateId id : candidates) place(set, id);
 }
 
-void PartialScene::place(const CandidateSet& set, CandidateId id) {
+void UnfinishedScene::place(const CandidateSet& set, CandidateId id) {
   placed.push_back(id);
   --left[set[id].model];
   covered.insert_all(set[id].explained);
 }
 
 std::optional<CandidateScene> greedy_scene(
-    const LocalizationProblem& problem, const CandidateSet& set, PartialScene scene, CandidateMaker& maker,
-    const std::function<bool(const PartialScene& scene, std::vector<int>& choice)>& before_choice) {
+    const LocalizationProblem& problem, const CandidateSet& set, UnfinishedScene scene, CandidateMaker& maker,
+    const std::function<bool(const UnfinishedScene& scene, std::vector<int>& choice)>& before_choice) {
   while (scene.placed.size() < problem.object_count()) {
     std::vector<int> choice = scene.left;
     if (!before_choice(scene, choice)) return std::nullopt;

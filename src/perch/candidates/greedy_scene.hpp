@@ -21,13 +21,13 @@ std::int64_t scene_cost(const LocalizationProblem& problem, const CandidateSet& 
                         const std::vector<CandidateId>& candidates, CandidateMaker& maker);
 
 /// A scene that is being put together.
-struct PartialScene {
+struct UnfinishedScene {
   std::vector<CandidateId> placed;
   std::vector<int> left;  ///< copies of each model that are not placed yet
   PointSet covered;       ///< points of I that some placed candidate alone explains
 
-  PartialScene(const LocalizationProblem& problem, const CandidateSet& set,
-               const std::vector<CandidateId>& placed);
+  UnfinishedScene(const LocalizationProblem& problem, const CandidateSet& set,
+                  const std::vector<CandidateId>& placed);
   void place(const CandidateSet& set, CandidateId id);
 };
 
@@ -36,7 +36,7 @@ struct PartialScene {
 /// take models out of the choice by setting their copies left to 0 in its second argument; false gives up.
 /// Empty then, and where no candidate fits.
 std::optional<CandidateScene> greedy_scene(
-    const LocalizationProblem& problem, const CandidateSet& set, PartialScene scene, CandidateMaker& maker,
-    const std::function<bool(const PartialScene& scene, std::vector<int>& choice)>& before_choice);
+    const LocalizationProblem& problem, const CandidateSet& set, UnfinishedScene scene, CandidateMaker& maker,
+    const std::function<bool(const UnfinishedScene& scene, std::vector<int>& choice)>& before_choice);
 
 }  // namespace perch

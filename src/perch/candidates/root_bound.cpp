@@ -96,8 +96,8 @@ bool RootBound::value_unseen_models(const StopCondition& stop) {
 std::optional<CandidateScene> RootBound::greedy_scene(const std::vector<CandidateId>& placed,
                                                       CandidateMaker& maker, const StopCondition& stop) {
   const CandidateSet& set = candidates_.set();
-  return perch::greedy_scene(problem_, set, PartialScene(problem_, set, placed), maker,
-                             [&](const PartialScene& scene, std::vector<int>& choice) {
+  return perch::greedy_scene(problem_, set, UnfinishedScene(problem_, set, placed), maker,
+                             [&](const UnfinishedScene& scene, std::vector<int>& choice) {
                                const std::vector<std::int64_t> weights =
                                    weights_outside(scene.covered, problem_.observation().size());
                                return value_promising({weights}, choice, scene.placed, stop) &&
