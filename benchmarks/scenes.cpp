@@ -31,6 +31,7 @@ struct Options {
   std::vector<std::string> models;
   double focal_scale = 1.0;
   std::optional<int> width, height;
+  std::vector<double> workspace;
   std::optional<std::size_t> triangles;
   std::string w = "3", threads = "1", resolution = "0.04", yaw_resolution_deg = "22.5", time_limit = "60";
   std::vector<std::string> assignments;
@@ -46,6 +47,11 @@ void add_to(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--width", options.width, "pads the image to so many columns, the view as it is");
   app.add_option("--height", options.height, "pads the image to so many rows");
+  app.add_option(
+         "--workspace", options.workspace,
+         "x_min,x_max,y_min,y_max: where objects are looked for, metres; the scene's own if not given")
+      ->delimiter(',')
+      ->expected(4);
   app.add_option("--triangles", options.triangles,
                  "divides the models' triangles until each model has so many");
   app.add_option("--w", options.w)->capture_default_str();
@@ -68,6 +74,7 @@ Scene make_scene(const Options& options) {
 }
 
 Scene varied(Scene scene, const Options& options) {
+  if (const auto& w = options.workspace; !w.empty()) scene.workspace = Workspace{w[0], w[1], w[2], w[3]};
   if (options.triangles)
     for (SceneModel& model : scene.models) model.mesh = with_triangles(model.mesh, *options.triangles);
   const Intrinsics& intrinsics = scene.camera.intrinsics;

@@ -94,7 +94,7 @@ DeltaIndex::DeltaIndex(const Observation& observation, double delta, const Execu
       rows_(observation, reach_) {
   const Intrinsics& intrinsics = observation.intrinsics();
   // Balls a hair larger than delta, so that no point that passes the delta test in float is left out.
-  const float radius = static_cast<float>(delta) + 2e-6F * std::max(1.0F, observation.farthest());
+  const float radius = static_cast<float>(delta) + 4e-6F * std::max(1.0F, observation.farthest());
   if (!executor.for_each(
           static_cast<std::size_t>(intrinsics.height),
           [&](std::size_t row, std::size_t) {
