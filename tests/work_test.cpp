@@ -24,14 +24,14 @@ struct Budget {
 constexpr Budget budgets[] = {
     {3, 1, 3.0, 2'380, 610, 3'750, 4'600'000},
     {3, 1, 1.0, 2'380, 750, 3'770, 5'540'000},
-    {5, 1, 3.0, 6'180, 1'410, 10'830, 9'710'000},
+    {5, 1, 3.0, 6'180, 1'700, 10'830, 11'600'000},
 };
 // Of the search alone: bounds rule most hypotheses out without a rendering, and each is aligned in two rounds
 // at most. The polish and the confidences try poses of each object of the answer, however many hypotheses
 // there are.
 constexpr double renderings_per_hypothesis = 0.122;
 constexpr double alignments_per_hypothesis = 2.0;
-constexpr std::int64_t alignments_after_search = 60;
+constexpr std::int64_t alignments_after_search = 97;
 
 void PrintTo(const Budget& budget, std::ostream* out) {
   *out << budget.objects << " objects, seed " << budget.seed << ", w = " << budget.w;
