@@ -73,6 +73,9 @@ class CandidateMaker {
     const auto counts = lone_cost_.counts_with(composite, patch, most);
     return counts ? std::optional(counts->total()) : std::nullopt;
   }
+  /// Adds a candidate, or what is drawn of one, to a composite.
+  void add(Composite& composite, const Candidate& candidate) { add(composite, patch(candidate)); }
+  void add(Composite& composite, const DepthPatch& patch) { lone_cost_.add(composite, patch); }
   CostChange& scratch() { return change_; }
   const StageSeconds& seconds() const { return seconds_; }
   const Work& work() const { return work_; }

@@ -87,8 +87,7 @@ class SceneBuilder {
                    CandidateMaker& maker) const {
     Place made{scene.candidates, problem_.cost().empty(), {}};
     made.others.erase(made.others.begin() + static_cast<std::ptrdiff_t>(place));
-    for (const CandidateId id : made.others)
-      problem_.cost().add(made.composite, maker.patch(set_[id]), maker.scratch());
+    for (const CandidateId id : made.others) maker.add(made.composite, set_[id]);
     const CandidateFloor floor_of(problem_.cost(), made.composite);
     for (const CandidateId id : set_.of_model(set_[scene.candidates[place]].model)) {
       if (id < from || id == scene.candidates[place]) continue;

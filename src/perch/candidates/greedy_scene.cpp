@@ -8,8 +8,7 @@ namespace perch {
 std::int64_t scene_cost(const LocalizationProblem& problem, const CandidateSet& set,
                         const std::vector<CandidateId>& candidates, CandidateMaker& maker) {
   Composite composite = problem.cost().empty();
-  for (const CandidateId id : candidates)
-    problem.cost().add(composite, maker.patch(set[id]), maker.scratch());
+  for (const CandidateId id : candidates) maker.add(composite, set[id]);
   return problem.cost().counts(composite).total();
 }
 

@@ -8,9 +8,12 @@
 #include "perch/core/error.hpp"
 
 namespace perch {
-namespace {
+void CostSettings::check() const {
+  if (!std::isfinite(delta) || delta <= 0.0 || delta > 0.1)
+    throw InvalidSetting(
+        fmt::format("cost.delta is {}; the sensor resolution must lie above 0 and up to 0.1 metres", delta));
+}
 
-/// The composite's patch in a window that also holds `needed`.
 void enlarge(Composite& composite, const Window& needed) {
   const Window window = bounding(composite.depth.window, needed);
   if (window == composite.depth.window) return;
@@ -29,14 +32,6 @@ void enlarge(Composite& composite, const Window& needed) {
   }
   composite.depth = std::move(depth);
   composite.explained = std::move(explained);
-}
-
-}  // namespace
-
-void CostSettings::check() const {
-  if (!std::isfinite(delta) || delta <= 0.0 || delta > 0.1)
-    throw InvalidSetting(
-        fmt::format("cost.delta is {}; the sensor resolution must lie above 0 and up to 0.1 metres", delta));
 }
 
 ExplanationCost::ExplanationCost(const Observation& observation, const DeltaIndex& index,

@@ -31,6 +31,9 @@ struct Composite {
   std::int64_t unexplained = 0;         ///< points of R_j unexplained by I
 };
 
+/// Widens the composite's window to one that also holds `needed`.
+void enlarge(Composite& composite, const Window& needed);
+
 /// What changes when a patch is added to a composite. Scratch memory, one a thread.
 struct CostChange {
   std::int64_t points = 0;            ///< rendered points more

@@ -103,23 +103,49 @@ void LoneCost::value(const DepthPatch& patch, LoneValue& value) {
 std::optional<CostCounts> LoneCost::counts_with(const Composite& composite, const DepthPatch& patch,
                                                 std::int64_t most) {
   CostCounts counts = cost_.counts(composite);
-  if (!patch.window.empty() && !add(composite, patch, most, counts)) return std::nullopt;
+  if (!patch.window.empty() && !change(composite, patch, most, counts)) return std::nullopt;
   if (counts.total() > most) return std::nullopt;
   return counts;
 }
 
-bool LoneCost::add(const Composite& composite, const DepthPatch& patch, std::int64_t most,
-                   CostCounts& counts) {
+bool LoneCost::change(const Composite& composite, const DepthPatch& patch, std::int64_t most,
+                      CostCounts& counts) {
   load(patch, &composite);
   counts.rendered -= find_hidden(composite, patch);
   // Nothing that is hidden makes a point of I explained.
   const std::int64_t least = counts.total() - most_gained(composite);
   if (!value_loaded(patch, beside_, most - least)) return false;
   const PointSet explained(beside_.explained);
+  find_lost(composite, explained);
   counts.rendered += beside_.unexplained;
-  counts.observed -= static_cast<std::int64_t>(explained.count_not_in(composite.observed));
-  if (!hidden_.empty()) counts.observed += lost(composite, explained);
+  counts.observed += static_cast<std::int64_t>(lost_.size()) -
+                     static_cast<std::int64_t>(explained.count_not_in(composite.observed));
   return true;
+}
+
+void LoneCost::add(Composite& composite, const DepthPatch& patch) {
+  if (patch.window.empty()) return;
+  const CostCounts before = cost_.counts(composite);
+  CostCounts after = before;
+  change(composite, patch, std::numeric_limits<std::int64_t>::max(), after);
+  composite.unexplained += after.rendered - before.rendered;
+  composite.observed_count -= after.observed - before.observed;
+  composite.observed.insert_all(PointSet(beside_.explained));
+  for (const std::uint32_t i : lost_) composite.observed.erase(i);
+  enlarge(composite, patch.window);
+  for (int v = patch.window.v0; v < patch.window.v1; ++v) {
+    const float* explained = rendered_row(v);  // what else was rendered is gone
+    const float* rendered = patch.row(v) - patch.window.u0;
+    float* depths = composite.depth.row(v) - composite.depth.window.u0;
+    std::uint8_t* marks = composite.explained.data() + composite.depth.index(composite.depth.window.u0, v) -
+                          composite.depth.window.u0;
+    for (int u = patch.window.u0; u < patch.window.u1; ++u) {
+      if (!(rendered[u] < depths[u]) || !cost_.counts_at(u, v)) continue;
+      composite.points += !(depths[u] < no_surface);
+      depths[u] = rendered[u];
+      marks[u] = explained[u] < no_surface;
+    }
+  }
 }
 
 std::int64_t LoneCost::most_gained(const Composite& composite) const {
@@ -159,7 +185,9 @@ std::int64_t LoneCost::find_hidden(const Composite& composite, const DepthPatch&
   return unexplained;
 }
 
-std::int64_t LoneCost::lost(const Composite& composite, const PointSet& explained) const {
+void LoneCost::find_lost(const Composite& composite, const PointSet& explained) {
+  lost_.clear();
+  if (hidden_.empty()) return;
   const Observation& observation = cost_.observation();
   const DeltaIndex& index = cost_.index();
   const RaySlopes& rays = observation.rays();
@@ -175,7 +203,6 @@ std::int64_t LoneCost::lost(const Composite& composite, const PointSet& explaine
           return true;
     return false;
   };
-  std::int64_t lost = 0;
   const int first_row = std::max(0, hidden_.v0 - index.reach()),
             last_row = std::min(observation.intrinsics().height, hidden_.v1 + index.reach());
   for (int v = first_row; v < last_row; ++v)
@@ -188,9 +215,8 @@ std::int64_t LoneCost::lost(const Composite& composite, const PointSet& explaine
         continue;
       const Eigen::Vector3f& p = observation.points()[i];
       if (hides_.any_of(window, [&](int x, int y) { return near(p, x, y); }) && !still_near(p, window))
-        ++lost;
+        lost_.push_back(static_cast<std::uint32_t>(i));
     }
-  return lost;
 }
 
 bool LoneCost::value_loaded(const DepthPatch& patch, LoneValue& value, std::int64_t most_unexplained) {

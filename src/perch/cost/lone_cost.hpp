@@ -24,9 +24,9 @@ struct LoneValue {
   std::vector<Run> shown;      ///< pixels whose point is explained
 };
 
-/// Values objects alone or beside others: the counts of ExplanationCost::change and counts_with, to the
-/// point, in one pass over the rendered pixels and one over the points of I around them, several at a time.
-/// Holds scratch memory: one a thread.
+/// Values objects alone or beside others: ExplanationCost::change, counts_with and add, to the point, in one
+/// pass over the rendered pixels and one over the points of I around them, several at a time. Holds scratch
+/// memory: one a thread.
 class LoneCost {
  public:
   explicit LoneCost(const ExplanationCost& cost);
@@ -38,6 +38,9 @@ class LoneCost {
   std::optional<CostCounts> counts_with(const Composite& composite, const DepthPatch& patch,
                                         std::int64_t most);
 
+  /// As ExplanationCost::add.
+  void add(Composite& composite, const DepthPatch& patch);
+
  private:
   /// Takes in the patch, or what of it shows in front of `composite`.
   void load(const DepthPatch& patch, const Composite* composite);
@@ -47,11 +50,11 @@ class LoneCost {
   std::int64_t most_gained(const Composite& composite) const;
   /// What the patch changes of the composite's counts; false, and these incomplete, where J is sure to become
   /// more than `most`.
-  bool add(const Composite& composite, const DepthPatch& patch, std::int64_t most, CostCounts& counts);
+  bool change(const Composite& composite, const DepthPatch& patch, std::int64_t most, CostCounts& counts);
   /// Counts the composite's unexplained pixels that the patch hides and notes the explained ones in hides_.
   std::int64_t find_hidden(const Composite& composite, const DepthPatch& patch);
-  /// Points of I that only hidden pixels of the composite explain.
-  std::int64_t lost(const Composite& composite, const PointSet& explained) const;
+  /// Writes into lost_ the points of I that only hidden pixels of the composite explain.
+  void find_lost(const Composite& composite, const PointSet& explained);
 
   /// A row of rendered_ as seen from column 0 of the image.
   float* rendered_row(int v) {
@@ -64,7 +67,8 @@ class LoneCost {
   LoneValue beside_;
   BitWindow hides_;
   Window hidden_;  ///< that holds hides_
-  Window area_;    ///< pixels whose points the patch may explain
+  std::vector<std::uint32_t> lost_;
+  Window area_;  ///< pixels whose points the patch may explain
   std::size_t pitch_ = 0;
   std::vector<float> rendered_;            ///< depths in area_; after the first pass only explained ones
   std::vector<float> nearest_, farthest_;  ///< explained depths around each block of pixels

@@ -97,7 +97,23 @@ TEST_F(LoneCostTest, CountsBesideOthersAsTheGeneralCost) {
           EXPECT_EQ(lone.counts_with(composite, patch, expected.total()), expected);
           EXPECT_FALSE(lone.counts_with(composite, patch, expected.total() - 1));
         }
-        cost.add(composite, patch, scratch);
+        Composite after = composite;
+        cost.add(after, patch, scratch);
+        for (const InstructionSet set :
+             {InstructionSet::baseline, InstructionSet::x86_64_v3, InstructionSet::x86_64_v4}) {
+          use_instruction_set(set);
+          Composite same = composite;
+          LoneCost(cost).add(same, patch);
+          EXPECT_EQ(same.depth.window, after.depth.window);
+          EXPECT_EQ(same.depth.depth, after.depth.depth);
+          EXPECT_EQ(same.explained, after.explained);
+          EXPECT_EQ(same.observed_count, after.observed_count);
+          EXPECT_EQ(same.observed.count(), after.observed.count());
+          EXPECT_EQ(same.observed.count_not_in(after.observed), 0U);
+          EXPECT_EQ(same.points, after.points);
+          EXPECT_EQ(same.unexplained, after.unexplained);
+        }
+        composite = std::move(after);
       }
     }
     ASSERT_FALSE(testing::Test::HasFailure());

@@ -44,7 +44,7 @@ class Enumerator {
                     [&](CandidateId other) { return problem_.collide(set_[id], set_[other]); }))
       return;
     Composite composite = before;
-    problem_.cost().add(composite, maker_.patch(set_[id]), maker_.scratch());
+    maker_.add(composite, set_[id]);
     placed_.push_back(id);
     if (placed_.size() == models_.size()) {
       value(composite);

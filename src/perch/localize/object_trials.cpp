@@ -16,7 +16,7 @@ void ObjectTrials::take_out(const std::vector<PlacedModel>& scene, std::size_t p
   for (std::size_t i = 0; i < scene.size(); ++i) {
     if (i == place) continue;
     standing_.push_back(scene[i]);
-    problem_.cost().add(others_, drawing(scene, i), scratch_);
+    makers_.front().add(others_, drawing(scene, i));
   }
 }
 

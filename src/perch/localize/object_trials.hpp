@@ -77,7 +77,6 @@ class ObjectTrials {
   std::size_t model_ = 0;
   std::vector<PlacedModel> standing_;  ///< the other objects
   Composite others_;
-  CostChange scratch_;
   std::vector<PlacedModel> drawn_;
   std::vector<DepthPatch> drawings_;  ///< of drawn_
   std::int64_t count_ = 0;

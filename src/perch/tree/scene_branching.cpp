@@ -150,8 +150,7 @@ std::int64_t SceneBranching::work(const Node& node, std::int64_t upper_bound, Ca
   if (std::any_of(slots.begin(), slots.end(), [](const OpenSlot& slot) { return slot.choices.empty(); }))
     return upper_bound;
   Composite composite = problem_.cost().empty();
-  for (const CandidateId id : family->placed)
-    problem_.cost().add(composite, maker.patch(set_[id]), maker.scratch());
+  for (const CandidateId id : family->placed) maker.add(composite, set_[id]);
   if (open_copies(slots) < 2) {
     complete(composite, *family, slots, upper_bound, maker, stop, answer);
     return upper_bound;
@@ -232,7 +231,7 @@ void SceneBranching::try_scene(Composite composite, std::vector<CandidateId> pla
     for (const CandidateId other : placed)
       if (problem_.collide(set_[id], set_[other])) return;
     placed.push_back(id);
-    problem_.cost().add(composite, maker.patch(set_[id]), maker.scratch());
+    maker.add(composite, set_[id]);
   }
   const std::int64_t cost = problem_.cost().counts(composite).total();
   if (cost < upper_bound) answer.found = scene_of(std::move(placed), cost);

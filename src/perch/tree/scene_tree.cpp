@@ -66,7 +66,7 @@ SceneTree::Parent SceneTree::make_parent(const State& state) const {
   CandidateMaker& maker = makers_.front();
   for (const CandidateId id : state.placed) {
     const Candidate& candidate = set_[id];
-    problem_.cost().add(parent.composite, maker.patch(candidate), maker.scratch());
+    maker.add(parent.composite, candidate);
     parent.covered.insert_all(candidate.explained);
     parent.enclosed.insert_all(candidate.enclosed);
     --parent.remaining[candidate.model];
@@ -324,8 +324,7 @@ SceneTree::State SceneTree::state_of(std::vector<CandidateId> placed) const {
   if (!is_goal(state)) throw std::logic_error("SceneTree::state_of: not a whole scene");
   Composite composite = problem_.cost().empty();
   CandidateMaker& maker = makers_.front();
-  for (const CandidateId id : state.placed)
-    problem_.cost().add(composite, maker.patch(set_[id]), maker.scratch());
+  for (const CandidateId id : state.placed) maker.add(composite, set_[id]);
   state.cost = state.bound = problem_.cost().counts(composite).total();
   return state;
 }
