@@ -115,11 +115,11 @@ bool LoneCost::change(const Composite& composite, const DepthPatch& patch, std::
   // Nothing that is hidden makes a point of I explained.
   const std::int64_t least = counts.total() - most_gained(composite);
   if (!value_loaded(patch, beside_, most - least)) return false;
-  const PointSet explained(beside_.explained);
-  find_lost(composite, explained);
+  explained_ = PointSet(beside_.explained);
+  find_lost(composite);
   counts.rendered += beside_.unexplained;
   counts.observed += static_cast<std::int64_t>(lost_.size()) -
-                     static_cast<std::int64_t>(explained.count_not_in(composite.observed));
+                     static_cast<std::int64_t>(explained_.count_not_in(composite.observed));
   return true;
 }
 
@@ -130,7 +130,7 @@ void LoneCost::add(Composite& composite, const DepthPatch& patch) {
   change(composite, patch, std::numeric_limits<std::int64_t>::max(), after);
   composite.unexplained += after.rendered - before.rendered;
   composite.observed_count -= after.observed - before.observed;
-  composite.observed.insert_all(PointSet(beside_.explained));
+  composite.observed.insert_all(explained_);
   for (const std::uint32_t i : lost_) composite.observed.erase(i);
   enlarge(composite, patch.window);
   for (int v = patch.window.v0; v < patch.window.v1; ++v) {
@@ -185,7 +185,7 @@ std::int64_t LoneCost::find_hidden(const Composite& composite, const DepthPatch&
   return unexplained;
 }
 
-void LoneCost::find_lost(const Composite& composite, const PointSet& explained) {
+void LoneCost::find_lost(const Composite& composite) {
   lost_.clear();
   if (hidden_.empty()) return;
   const Observation& observation = cost_.observation();
@@ -211,7 +211,7 @@ void LoneCost::find_lost(const Composite& composite, const PointSet& explained) 
       if (u < hidden_.u0 - index.reach()) continue;
       if (u >= hidden_.u1 + index.reach()) break;
       const Window& window = index.window(i);
-      if (!composite.observed.contains(i) || explained.contains(i) || intersection(window, hidden_).empty())
+      if (!composite.observed.contains(i) || explained_.contains(i) || intersection(window, hidden_).empty())
         continue;
       const Eigen::Vector3f& p = observation.points()[i];
       if (hides_.any_of(window, [&](int x, int y) { return near(p, x, y); }) && !still_near(p, window))

@@ -54,7 +54,7 @@ class LoneCost {
   /// Counts the composite's unexplained pixels that the patch hides and notes the explained ones in hides_.
   std::int64_t find_hidden(const Composite& composite, const DepthPatch& patch);
   /// Writes into lost_ the points of I that only hidden pixels of the composite explain.
-  void find_lost(const Composite& composite, const PointSet& explained);
+  void find_lost(const Composite& composite);
 
   /// A row of rendered_ as seen from column 0 of the image.
   float* rendered_row(int v) {
@@ -66,7 +66,8 @@ class LoneCost {
   float ball_reach_;  ///< pixels that a ball of radius delta reaches from its middle, at a distance of 1 m
   LoneValue beside_;
   BitWindow hides_;
-  Window hidden_;  ///< that holds hides_
+  Window hidden_;       ///< that holds hides_
+  PointSet explained_;  ///< points of I: beside_.explained
   std::vector<std::uint32_t> lost_;
   Window area_;  ///< pixels whose points the patch may explain
   std::size_t pitch_ = 0;

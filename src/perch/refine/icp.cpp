@@ -7,15 +7,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include "perch/core/error.hpp"
 #include "perch/core/instruction_set.hpp"
 
 namespace perch {
 namespace {
-
-constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
 
 /// What one pass over the samples goes by.
 struct AlignFrame {

@@ -5,14 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 
 #include "perch/core/instruction_set.hpp"
 
 namespace perch {
 namespace {
-
-constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
 
 struct VisibleFrame {
   std::size_t samples;
