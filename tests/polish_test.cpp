@@ -128,7 +128,9 @@ TEST(Polish, KeepsToItsTrials) {
   for (const int trials : {1, 10, 40, 150}) {
     settings.trials = trials;
     StopCondition stop;
-    const CancellingExecutor executor(stop, 3 * trials);  // runs no more than that or is cancelled
+    // Each object is drawn once before it moves, and once after each of its moves: one in a round.
+    const int drawings = 3 + 3 * settings.rounds;
+    const CancellingExecutor executor(stop, 3 * trials + drawings);  // runs no more or is cancelled
     const ArrangedScene end = polish(*p.problem, p.makers, executor, start, settings, stop);
     EXPECT_FALSE(stop.cancelled()) << trials;
     EXPECT_LE(end.cost, start.cost);
@@ -234,9 +236,11 @@ TEST(ObjectTrials, CountAsBruteForceDoes) {
     const ArrangedScene truth = p.truth();
     const StopCondition stop;
     ObjectTrials trials(*p.problem, p.makers, p.executor, stop);
+    SceneDrawings drawings(p.makers, p.executor);
+    ASSERT_TRUE(drawings.draw(truth.placed, stop));
     int fits = 0, fails = 0;
     for (std::size_t place = 0; place < 3; ++place) {
-      trials.take_out(truth.placed, place);
+      trials.take_out(truth.placed, place, drawings);
       std::vector<PlacedModel> others = truth.placed;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(place));
       EXPECT_EQ(trials.cost_without(), p.brute_force_cost(others));
@@ -271,7 +275,9 @@ TEST(PoseDescent, KeepsToItsRegion) {
   const ArrangedScene truth = p.truth();
   const StopCondition stop;
   ObjectTrials trials(*p.problem, p.makers, p.executor, stop);
-  trials.take_out(truth.placed, 0);
+  SceneDrawings drawings(p.makers, p.executor);
+  ASSERT_TRUE(drawings.draw(truth.placed, stop));
+  trials.take_out(truth.placed, 0, drawings);
   const Pose goal = truth.placed[0].pose;
   const auto start = trials.run_one({goal.x + 0.02, goal.y, goal.yaw});
   ASSERT_TRUE(start);

@@ -49,27 +49,27 @@ class Neighbourhood {
   const AmbiguitySettings& settings_;
 };
 
+/// Judges one object of a scene.
 class Judge {
  public:
   Judge(const LocalizationProblem& problem, const FixedCandidates& candidates,
         std::vector<CandidateMaker>& makers, const Executor& executor, const AmbiguitySettings& settings,
-        const DescentSettings& descent, const StopCondition& stop)
+        const DescentSettings& descent, const StopCondition& stop, std::size_t worker)
       : problem_(problem),
         candidates_(candidates),
         settings_(settings),
         descent_(descent),
-        trials_(problem, makers, executor, stop) {}
+        trials_(problem, makers, executor, stop, worker),
+        left_(settings.trials) {}
 
   /// Empty where the stop condition struck.
-  std::optional<ObjectJudgement> judge(const ArrangedScene& scene, std::size_t place) {
-    better_.reset();
-    found_.clear();
-    left_ = settings_.trials;
-    trials_.take_out(scene.placed, place);
+  std::optional<ObjectJudgement> judge(const ArrangedScene& scene, std::size_t place,
+                                       const SceneDrawings& drawings) {
+    trials_.take_out(scene.placed, place, drawings);
     ObjectJudgement judgement;
     const auto answer = trials_.run_one(scene.placed[place].pose);
     if (!answer) return judgement;  // none of it is in view
-    judgement.visible = trials_.visible_points(scene.placed, place);
+    judgement.visible = trials_.visible_points(drawings[place]);
     judgement.support = trials_.cost_without() - answer->cost;
     close_limit_ =
         answer->cost +
@@ -90,7 +90,7 @@ class Judge {
     return judgement;
   }
 
-  /// A pose that the rule of the polish prefers to the one judged last.
+  /// A pose that the rule of the polish prefers to the one judged.
   const std::optional<TrialResult>& better() const { return better_; }
 
  private:
@@ -173,7 +173,7 @@ class Judge {
   const AmbiguitySettings& settings_;
   const DescentSettings& descent_;
   ObjectTrials trials_;
-  std::int64_t left_ = 0;
+  std::int64_t left_;             ///< trials
   std::int64_t close_limit_ = 0;  ///< what costs more needs no descent
   std::vector<Trial> batch_;
   std::vector<std::optional<TrialResult>> answers_;
@@ -198,22 +198,35 @@ JudgedScene judge(const LocalizationProblem& problem, const FixedCandidates& can
                   const StopCondition& stop) {
   JudgedScene judged{std::move(scene), {}};
   if (settings.trials == 0) return judged;
-  Judge judge_object(problem, candidates, makers, executor, settings, polish_settings.descent, stop);
+  struct Outcome {
+    std::optional<ObjectJudgement> judgement;
+    std::optional<TrialResult> better;
+  };
+  SceneDrawings drawings(makers, executor);
   for (int left = polish_settings.rounds > 0 ? exchanges : 0;; --left) {
-    judged.objects.clear();
-    std::size_t place = 0;
-    for (; place < judged.scene.placed.size(); ++place) {
-      auto judgement = judge_object.judge(judged.scene, place);
-      if (!judgement || stop()) {
-        judged.objects.clear();
-        return judged;
-      }
-      if (left > 0 && judge_object.better()) break;
-      judged.objects.push_back(*judgement);
+    std::vector<Outcome> outcomes(judged.scene.placed.size());
+    const bool complete = drawings.draw(judged.scene.placed, stop) &&
+                          executor.for_each(
+                              outcomes.size(),
+                              [&](std::size_t place, std::size_t worker) {
+                                Judge judge_object(problem, candidates, makers, executor, settings,
+                                                   polish_settings.descent, stop, worker);
+                                outcomes[place].judgement = judge_object.judge(judged.scene, place, drawings);
+                                outcomes[place].better = judge_object.better();
+                              },
+                              stop);
+    if (!complete || std::any_of(outcomes.begin(), outcomes.end(),
+                                 [](const Outcome& outcome) { return !outcome.judgement; }))
+      return judged;
+    const auto replaced = std::find_if(outcomes.begin(), outcomes.end(),
+                                       [](const Outcome& outcome) { return outcome.better.has_value(); });
+    if (left == 0 || replaced == outcomes.end()) {
+      for (const Outcome& outcome : outcomes) judged.objects.push_back(*outcome.judgement);
+      return judged;
     }
-    if (place == judged.scene.placed.size()) return judged;
-    judged.scene.placed[place].pose = judge_object.better()->pose;
-    judged.scene.cost = judge_object.better()->cost;
+    const auto place = static_cast<std::size_t>(replaced - outcomes.begin());
+    judged.scene.placed[place].pose = replaced->better->pose;
+    judged.scene.cost = replaced->better->cost;
     judged.scene = polish(problem, makers, executor, judged.scene, polish_settings, stop);
   }
 }

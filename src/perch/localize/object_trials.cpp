@@ -5,37 +5,41 @@
 
 namespace perch {
 
-ObjectTrials::ObjectTrials(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
-                           const Executor& executor, const StopCondition& stop)
-    : problem_(problem), makers_(makers), executor_(executor), stop_(stop) {}
+bool SceneDrawings::draw(const std::vector<PlacedModel>& scene, const StopCondition& stop) {
+  drawn_.resize(scene.size());
+  patches_.resize(scene.size());
+  std::vector<std::size_t> moved;
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    if (patches_[i].window.empty() || drawn_[i].model != scene[i].model || !(drawn_[i].pose == scene[i].pose))
+      moved.push_back(i);
+  const bool complete = executor_.for_each(
+      moved.size(),
+      [&](std::size_t i, std::size_t worker) {
+        const PlacedModel& object = scene[moved[i]];
+        makers_[worker].render(object.model, object.pose, patches_[moved[i]]);
+        drawn_[moved[i]] = object;
+      },
+      stop);
+  return complete;
+}
 
-void ObjectTrials::take_out(const std::vector<PlacedModel>& scene, std::size_t place) {
+ObjectTrials::ObjectTrials(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
+                           const Executor& executor, const StopCondition& stop, std::size_t worker)
+    : problem_(problem), makers_(makers), executor_(executor), stop_(stop), own_(makers[worker]) {}
+
+void ObjectTrials::take_out(const std::vector<PlacedModel>& scene, std::size_t place,
+                            const SceneDrawings& drawings) {
   model_ = scene[place].model;
   standing_.clear();
   others_ = problem_.cost().empty();
   for (std::size_t i = 0; i < scene.size(); ++i) {
     if (i == place) continue;
     standing_.push_back(scene[i]);
-    makers_.front().add(others_, drawing(scene, i));
+    own_.add(others_, drawings[i]);
   }
 }
 
-const DepthPatch& ObjectTrials::drawing(const std::vector<PlacedModel>& scene, std::size_t place) {
-  if (drawn_.size() < scene.size()) {
-    drawn_.resize(scene.size());
-    drawings_.resize(scene.size());
-  }
-  const PlacedModel& object = scene[place];
-  PlacedModel& drawn = drawn_[place];
-  if (drawings_[place].window.empty() || drawn.model != object.model || !(drawn.pose == object.pose)) {
-    makers_.front().render(object.model, object.pose, drawings_[place]);
-    drawn = object;
-  }
-  return drawings_[place];
-}
-
-std::int64_t ObjectTrials::visible_points(const std::vector<PlacedModel>& scene, std::size_t place) {
-  const DepthPatch& patch = drawing(scene, place);
+std::int64_t ObjectTrials::visible_points(const DepthPatch& patch) const {
   std::int64_t points = 0;
   for (int v = patch.window.v0; v < patch.window.v1; ++v)
     for (int u = patch.window.u0; u < patch.window.u1; ++u)
@@ -63,7 +67,7 @@ bool ObjectTrials::run(const std::vector<Trial>& trials, std::int64_t most,
 
 std::optional<TrialResult> ObjectTrials::run_one(const Pose& pose) {
   ++count_;
-  return run({pose, false}, std::numeric_limits<std::int64_t>::max(), makers_.front());
+  return run({pose, false}, std::numeric_limits<std::int64_t>::max(), own_);
 }
 
 std::optional<TrialResult> ObjectTrials::run(const Trial& trial, std::int64_t most,

@@ -31,16 +31,37 @@ struct TrialResult {
   double residual = 0.0;  ///< as Placing::residual
 };
 
+/// The rendering of each object of a scene, drawn again only where the object has moved.
+class SceneDrawings {
+ public:
+  /// Keeps references. \param makers one for each worker of the executor.
+  SceneDrawings(std::vector<CandidateMaker>& makers, const Executor& executor)
+      : makers_(makers), executor_(executor) {}
+
+  /// False where the stop condition struck first: then not all is drawn.
+  bool draw(const std::vector<PlacedModel>& scene, const StopCondition& stop);
+  /// Of the object at a place of the scene drawn last.
+  const DepthPatch& operator[](std::size_t place) const { return patches_[place]; }
+
+ private:
+  std::vector<CandidateMaker>& makers_;
+  const Executor& executor_;
+  std::vector<PlacedModel> drawn_;
+  std::vector<DepthPatch> patches_;  ///< of drawn_
+};
+
 /// Tries poses of one object of a scene while all the others stay where they are. Every cost is exact, and
 /// the same for every executor.
 class ObjectTrials {
  public:
-  /// Keeps references. \param makers one for each worker of the executor.
+  /// Keeps references. \param makers one for each worker of the executor. \param worker the one that calls,
+  /// where that is one of them.
   ObjectTrials(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
-               const Executor& executor, const StopCondition& stop);
+               const Executor& executor, const StopCondition& stop, std::size_t worker = 0);
 
-  /// Takes the object at `place` out of a scene; the trials that follow put it back.
-  void take_out(const std::vector<PlacedModel>& scene, std::size_t place);
+  /// Takes the object at `place` out of a scene; the trials that follow put it back. \param drawings of this
+  /// scene.
+  void take_out(const std::vector<PlacedModel>& scene, std::size_t place, const SceneDrawings& drawings);
   const ObjectModel& model() const { return problem_.models()[model_]; }
   std::size_t model_number() const { return model_; }
   /// The other objects.
@@ -50,8 +71,8 @@ class ObjectTrials {
   /// True where the object would lie in its workspace and touch none of the others.
   bool fits(const Pose& pose) const;
 
-  /// How many points of the object that was taken out are in view at the pose it had.
-  std::int64_t visible_points(const std::vector<PlacedModel>& scene, std::size_t place);
+  /// How many points of a drawing are in view beside the others.
+  std::int64_t visible_points(const DepthPatch& patch) const;
 
   /// One answer for each trial, in order; empty where the object doesn't fit, no pixel of it is in view, or J
   /// is more than `most`, which takes less work to find out. Yaws are canonical. False where the stop
@@ -67,18 +88,14 @@ class ObjectTrials {
  private:
   std::optional<TrialResult> run(const Trial& trial, std::int64_t most, CandidateMaker& maker) const;
 
-  /// The rendering of the object at `place`, drawn again only where it has moved.
-  const DepthPatch& drawing(const std::vector<PlacedModel>& scene, std::size_t place);
-
   const LocalizationProblem& problem_;
   std::vector<CandidateMaker>& makers_;
   const Executor& executor_;
   const StopCondition& stop_;
+  CandidateMaker& own_;  ///< of the worker that calls
   std::size_t model_ = 0;
   std::vector<PlacedModel> standing_;  ///< the other objects
   Composite others_;
-  std::vector<PlacedModel> drawn_;
-  std::vector<DepthPatch> drawings_;  ///< of drawn_
   std::int64_t count_ = 0;
 };
 

@@ -13,9 +13,12 @@ constexpr double near_optimal = 1.5;  // times the cheapest start: a polish take
 class Polisher {
  public:
   Polisher(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers, const Executor& executor,
-           const ArrangedScene& start, const PolishSettings& settings, const StopCondition& stop)
+           const ArrangedScene& start, const PolishSettings& settings, const StopCondition& stop,
+           std::size_t worker)
       : settings_(settings),
-        trials_(problem, makers, executor, stop),
+        stop_(stop),
+        drawings_(makers, executor),
+        trials_(problem, makers, executor, stop, worker),
         descent_(trials_, settings.descent,
                  static_cast<std::int64_t>(settings.trials) * static_cast<std::int64_t>(start.placed.size())),
         scene_(start),
@@ -45,7 +48,8 @@ class Polisher {
 
   void move(std::size_t place, bool turn) {
     Pose& pose = scene_.placed[place].pose;
-    trials_.take_out(scene_.placed, place);
+    if (!drawings_.draw(scene_.placed, stop_)) return;
+    trials_.take_out(scene_.placed, place, drawings_);
     const auto here = trials_.run_one(pose);
     if (!here) return;
     const TrialResult best = descent_.run(*here, turn);
@@ -57,6 +61,8 @@ class Polisher {
   }
 
   const PolishSettings& settings_;
+  const StopCondition& stop_;
+  SceneDrawings drawings_;
   ObjectTrials trials_;
   PoseDescent descent_;
   ArrangedScene scene_;
@@ -83,8 +89,8 @@ bool alike(const LocalizationProblem& problem, const ArrangedScene& a, const Arr
 
 ArrangedScene polish(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
                      const Executor& executor, const ArrangedScene& start, const PolishSettings& settings,
-                     const StopCondition& stop) {
-  ArrangedScene polished = Polisher(problem, makers, executor, start, settings, stop).run();
+                     const StopCondition& stop, std::size_t worker) {
+  ArrangedScene polished = Polisher(problem, makers, executor, start, settings, stop, worker).run();
   // Moves that keep J and lie nearer to the points alone don't make another scene of it.
   return polished.cost < start.cost ? polished : start;
 }
@@ -92,22 +98,26 @@ ArrangedScene polish(const LocalizationProblem& problem, std::vector<CandidateMa
 ArrangedScene polish_best(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
                           const Executor& executor, const std::vector<ArrangedScene>& starts,
                           const PolishSettings& settings, const StopCondition& stop) {
-  ArrangedScene best = starts.front();
-  std::vector<ArrangedScene> tried;  // as they were before the polish, and after
+  if (settings.rounds == 0) return starts.front();
   const auto limit = static_cast<std::int64_t>(near_optimal * static_cast<double>(starts.front().cost));
-  int left = settings.rounds > 0 ? settings.scenes : 0;
+  const double reach = 2.0 * settings.descent.largest_step;
+  std::vector<ArrangedScene> scenes;
   for (const ArrangedScene& start : starts) {
-    if (left == 0 || start.cost > limit || stop()) break;
-    const double reach = 2.0 * settings.descent.largest_step;
-    if (std::any_of(tried.begin(), tried.end(),
-                    [&](const ArrangedScene& other) { return alike(problem, start, other, reach); }))
-      continue;
-    --left;
-    ArrangedScene polished = polish(problem, makers, executor, start, settings, stop);
-    tried.push_back(start);
-    tried.push_back(polished);
-    if (polished.cost < best.cost) best = std::move(polished);
+    if (scenes.size() == static_cast<std::size_t>(settings.scenes) || start.cost > limit) break;
+    if (std::none_of(scenes.begin(), scenes.end(),
+                     [&](const ArrangedScene& other) { return alike(problem, start, other, reach); }))
+      scenes.push_back(start);
   }
+  // Side by side: within one, few trials can be run at a time.
+  executor.for_each(
+      scenes.size(),
+      [&](std::size_t i, std::size_t worker) {
+        scenes[i] = polish(problem, makers, executor, scenes[i], settings, stop, worker);
+      },
+      stop);
+  ArrangedScene best = starts.front();
+  for (const ArrangedScene& polished : scenes)
+    if (polished.cost < best.cost) best = polished;
   return best;
 }
 
