@@ -38,7 +38,7 @@ const std::map<std::string, std::set<std::string>>& allowed_layers() {
     allowed["io"] = {"core", "model", "observation"};
     allowed["sim"] = {"core", "model", "render", "io"};
     allowed["baselines"] = {"core", "parallel", "model", "render", "observation", "refine"};
-    allowed["eval"] = {"core", "model", "io"};
+    allowed["eval"] = {"core", "model", "render", "io"};
     allowed["verify"] = {"core", "io"};
     return allowed;
   }();

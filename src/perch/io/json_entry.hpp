@@ -13,7 +13,7 @@ namespace perch {
 
 /// A value in a JSON file that knows the file and the key path that leads to it, so that every complaint is
 /// one line `<file>: <key>: <value and what is wrong>; <remedy>`. All readers throw InputError. For use
-/// inside io.
+/// inside io and eval.
 class JsonEntry {
  public:
   /// The value in a file of at most 8 MB. Refuses repeated keys and values nested deeper than 16 levels.
