@@ -37,7 +37,7 @@ const std::map<std::string, std::set<std::string>>& allowed_layers() {
     // Beside the stack, for programs and tests.
     allowed["io"] = {"core", "model", "observation"};
     allowed["sim"] = {"core", "model", "render", "io"};
-    allowed["baselines"] = {"core", "parallel", "model", "render", "observation", "refine"};
+    allowed["baselines"] = {"core", "parallel", "model", "render", "observation", "cost", "refine"};
     allowed["eval"] = {"core", "model", "render", "io"};
     allowed["verify"] = {"core", "io"};
     return allowed;
@@ -53,6 +53,8 @@ bool is_data_for(const std::string& layer, const std::string& included) {
                                           "perch/localize/settings.hpp"};
   // What checks a result must not be made of what made it.
   if (layer == "verify" && included == "perch/model/mesh.hpp") return true;
+  // The baselines are given the same grid.
+  if (layer == "baselines" && included == "perch/candidates/grid.hpp") return true;
   return beside.contains(layer) && data.contains(included);
 }
 
@@ -170,6 +172,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"perch/io/a.cpp", "perch/render/rasterizer.hpp"},
                     Case{"perch/sim/a.cpp", "perch/cost/explanation_cost.hpp"},
                     Case{"perch/baselines/a.cpp", "perch/tree/scene_tree.hpp"},
+                    Case{"perch/baselines/a.cpp", "perch/candidates/first_scenes.hpp"},
                     Case{"perch/eval/a.cpp", "perch/localize/setup.hpp"},
                     Case{"perch/verify/a.cpp", "perch/render/rasterizer.hpp"},
                     Case{"perch/verify/a.cpp", "perch/observation/observation.hpp"},
@@ -198,6 +201,8 @@ INSTANTIATE_TEST_SUITE_P(Layering, Allowed,
                                          Case{"perch/io/a.hpp", "perch/localize/scene.hpp"},
                                          Case{"perch/sim/a.hpp", "perch/localize/scene.hpp"},
                                          Case{"perch/sim/a_test.cpp", "perch/io/test_scene.hpp"},
+                                         Case{"perch/baselines/a.hpp", "perch/candidates/grid.hpp"},
+                                         Case{"perch/baselines/a.cpp", "perch/cost/explanation_cost.hpp"},
                                          Case{"perch/eval/a.cpp", "perch/localize/result.hpp"},
                                          Case{"perch/verify/a.cpp", "perch/model/mesh.hpp"},
                                          Case{"perch/verify/a.hpp", "perch/io/result_file.hpp"},

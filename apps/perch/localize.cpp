@@ -12,6 +12,7 @@
 #include "perch/io/poses_file.hpp"
 #include "perch/io/scene_file.hpp"
 #include "perch/localize/localize.hpp"
+#include "run_method.hpp"
 
 namespace perch::app {
 namespace {
@@ -52,6 +53,7 @@ class ProgressLine {
 int exit_status(Status status) {
   switch (status) {
     case Status::solved:
+    case Status::unproven:
       return exit_solved;
     case Status::infeasible:
       return exit_infeasible;
@@ -65,13 +67,15 @@ void print_table(const Scene& scene, const Result& result) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   const char* status = result.status == Status::solved       ? "solved"
                        : result.status == Status::infeasible ? "infeasible"
+                       : result.status == Status::unproven   ? "unproven"
                                                              : "time limit";
   fmt::print("{}: {}: {}\n", scene.name, status, result.reason);
-  if (!result.search_cost) return;
+  if (!result.cost) return;
   const auto bound = result.suboptimality_bound();
   fmt::print("cost {} of {} observed points\n", result.cost->cost, result.observed_points);
-  fmt::print("search cost {}, lower bound {}, suboptimality bound {}\n", *result.search_cost,
-             result.lower_bound, bound ? fmt::format("{:.3f}", *bound) : std::string("none"));
+  if (result.has_bound())
+    fmt::print("search cost {}, lower bound {}, suboptimality bound {}\n", *result.search_cost,
+               result.lower_bound, bound ? fmt::format("{:.3f}", *bound) : std::string("none"));
   fmt::print("{} hypotheses, {} expansions, {:.2f} s on {} threads\n", result.stats.rendered,
              result.stats.expanded, result.stats.seconds.total, result.stats.threads);
   std::size_t width = 6;
@@ -100,6 +104,10 @@ int localize_scenes(const LocalizeOptions& options) {
   settings.anytime = settings.anytime || options.anytime;
   settings.exhaustive = settings.exhaustive || options.exhaustive;
   settings.check_together();
+  check_built(settings.localization);
+  if (options.priors && settings.localization != LocalizationMethod::perch)
+    throw InvalidSetting(fmt::format("--priors: {} has no use for them; leave them out, or use --method perch",
+                                     name(settings.localization)));
   const auto executor = make_executor(settings.threads);
   const std::size_t n = options.scenes.size();
   const auto output_of = [&](std::size_t i, const Scene& scene) {
@@ -122,7 +130,7 @@ int localize_scenes(const LocalizeOptions& options) {
     {
       ProgressLine progress(options.quiet);
       result = blaming(options.scenes[i], [&] {
-        return localize(scene, settings, *executor, stop, [&](const Progress& p) { progress(p); });
+        return run_method(scene, settings, *executor, stop, [&](const Progress& p) { progress(p); });
       });
     }
     if (!options.output.empty()) write_outputs(scene, *result, settings, *executor, output_of(i, scene));
@@ -151,7 +159,8 @@ void add_localize(CLI::App& app, Run& run) {
   command->add_flag("--exhaustive", options->exhaustive,
                     "value every scene instead of searching; for small grids");
   command->add_flag("-q,--quiet", options->quiet, "no progress line and no table");
-  options->settings.add_to(*command, {{"--w", "search.w"},
+  options->settings.add_to(*command, {{"--method", "method"},
+                                      {"--w", "search.w"},
                                       {"--delta", "cost.delta"},
                                       {"--resolution", "grid.resolution"},
                                       {"--yaw-resolution-deg", "grid.yaw_resolution_deg"},

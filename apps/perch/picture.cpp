@@ -57,6 +57,8 @@ std::string status_name(Status status) {
       return "stopped by its limit";
     case Status::infeasible:
       return "infeasible";
+    case Status::unproven:
+      return "without a bound";
   }
   return {};
 }
@@ -81,6 +83,7 @@ std::vector<std::string> footer_text(const Result& result) {
   lines.push_back(fmt::format("cost {} = {} observed + {} rendered points unexplained, of {} observed points",
                               grouped(result.cost->cost), grouped(result.cost->cost_observed),
                               grouped(result.cost->cost_rendered), grouped(result.observed_points)));
+  if (!result.has_bound()) return lines;
   std::string bound = bound_clause(result);
   if (result.search_cost && *result.search_cost != result.cost->cost)
     bound = fmt::format("the search's own scene: cost {}, {}", grouped(*result.search_cost), bound);

@@ -2,22 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "perch/core/error.hpp"
+#include "perch/observation/extent.hpp"
 
 namespace perch {
-namespace {
-
-Eigen::AlignedBox2d footprint(const Observation& observation) {
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector3f& p : observation.points())
-    box.extend((observation.camera().world_from_camera * p.cast<double>()).head<2>());
-  return box;
-}
-
-}  // namespace
 
 void CandidateSettings::check() const {
   grid.check();

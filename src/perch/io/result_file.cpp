@@ -8,6 +8,7 @@
 #include "perch/core/error.hpp"
 #include "perch/io/json_entry.hpp"
 #include "perch/io/message.hpp"
+#include "perch/localize/settings.hpp"
 
 namespace perch {
 namespace {
@@ -24,6 +25,7 @@ class ResultReader {
     if (version.integer() != 1)
       version.fail(fmt::format("{} is not a version that can be read; give version 1", version.value()));
     ReportedResult result;
+    if (root.contains("method")) result.method = method(root["method"]);
     result.status = status(root["status"]);
     result.cost = count_or_null(root["cost"]);
     result.cost_observed = count_or_null(root["cost_observed"]);
@@ -33,7 +35,10 @@ class ResultReader {
     result.lower_bound = root["lower_bound"].integer();
     if (const JsonEntry bound = root["suboptimality_bound"]; !bound.is_null())
       result.suboptimality_bound = bound.number();
-    result.guarantee = guarantee(root["guarantee"]);
+    if (result.has_bound())
+      result.guarantee = guarantee(root["guarantee"]);
+    else
+      result.guarantee = without_guarantee(root);
     for (const JsonEntry& entry : records(root["search_objects"]))
       result.search_objects.push_back({model(entry["model"]), pose(entry)});
     for (const JsonEntry& entry : records(root["objects"])) result.objects.push_back(object(entry));
@@ -42,13 +47,25 @@ class ResultReader {
   }
 
  private:
+  static std::string method(const JsonEntry& entry) {
+    std::vector<std::string> names;
+    for (const auto known : {LocalizationMethod::perch, LocalizationMethod::bfwor, LocalizationMethod::ourcvfh,
+                             LocalizationMethod::ppf})
+      names.push_back(name(known));
+    const std::string word = entry.text();
+    if (std::find(names.begin(), names.end(), word) == names.end())
+      entry.fail(fmt::format("{} is no method; {}", entry.value(), did_you_mean(word, names)));
+    return word;
+  }
+
   static Status status(const JsonEntry& entry) {
     const std::string word = entry.text();
     if (word == "solved") return Status::solved;
     if (word == "time_limit") return Status::time_limit;
     if (word == "infeasible") return Status::infeasible;
+    if (word == "unproven") return Status::unproven;
     entry.fail(fmt::format("{} is no status; {}", entry.value(),
-                           did_you_mean(word, {"solved", "time_limit", "infeasible"})));
+                           did_you_mean(word, {"solved", "time_limit", "infeasible", "unproven"})));
   }
 
   static std::optional<std::int64_t> count_or_null(const JsonEntry& entry) {
@@ -60,6 +77,19 @@ class ResultReader {
     auto items = entry.items();
     if (items.size() > most) entry.fail(fmt::format("has {} entries; give at most {}", items.size(), most));
     return items;
+  }
+
+  static Guarantee without_guarantee(const JsonEntry& root) {
+    if (const JsonEntry entry = root["guarantee"]; !entry.is_null())
+      entry.fail("is there, but the method has no bound; give null");
+    const JsonEntry counted = root["counted_with"];
+    Guarantee g;
+    g.delta = counted["delta"].number();
+    g.missing_depth = counted["missing_depth"].text();
+    const CollisionSettings collision;
+    g.collision_penetration = collision.penetration;
+    g.collision_overlap = collision.overlap;
+    return g;
   }
 
   static Guarantee guarantee(const JsonEntry& entry) {

@@ -14,7 +14,7 @@ namespace perch {
 /// One record of `objects` as a result.json states it.
 struct ReportedObject {
   std::size_t model = 0;  ///< counts into Scene::models
-  bool absent = false;    ///< an optional object that was left out: nothing below holds
+  bool absent = false;    ///< no pose is stated: nothing below holds
   Pose pose;
   Eigen::Matrix4d world_from_model = Eigen::Matrix4d::Identity();
   Eigen::Matrix4d camera_from_model = Eigen::Matrix4d::Identity();
@@ -27,13 +27,17 @@ struct ReportedObject {
 
 /// What a result.json states, right or wrong: nothing is derived and nothing put straight.
 struct ReportedResult {
+  std::string method = "perch";  ///< the default where the file has no such key
   Status status = Status::infeasible;
   std::optional<std::int64_t> cost, cost_observed, cost_rendered;
   std::int64_t observed_points = 0;
   std::optional<std::int64_t> search_cost;
   std::int64_t lower_bound = 0;
   std::optional<double> suboptimality_bound;
-  Guarantee guarantee;
+  Guarantee guarantee;  ///< where it is null: delta and missing_depth as in `counted_with`, collisions as by
+                        ///< default, all else unset
+  /// False for the baselines: there is neither a searched scene nor a bound.
+  bool has_bound() const { return method == "perch"; }
   std::vector<PlacedModel> search_objects;
   std::vector<ReportedObject> objects;
   Stats stats;

@@ -45,6 +45,11 @@ Json to_value(const ResultPose& p) {
   return {{"model", p.model}, {"x", p.pose.x}, {"y", p.pose.y}, {"yaw", p.pose.yaw}};
 }
 
+/// What the costs of a result without a guarantee are counted with.
+Json counted_with(const Guarantee& g) {
+  return {{"delta", g.delta}, {"missing_depth", g.missing_depth}};
+}
+
 Json to_value(const Guarantee& g) {
   return {{"w", g.w},
           {"over", g.over},
@@ -104,7 +109,8 @@ std::string to_json(const Result& result) {
   const auto part = [&](std::int64_t CostRecord::*member) {
     return result.cost ? Json((*result.cost).*member) : Json(nullptr);
   };
-  return dump(Json{{"version", 1},
+  Json json{{"version", 1},
+                   {"method", result.method},
                    {"status", name(result.status)},
                    {"reason", result.reason},
                    {"cost", part(&CostRecord::cost)},
@@ -114,10 +120,12 @@ std::string to_json(const Result& result) {
                    {"search_cost", or_null(result.search_cost)},
                    {"lower_bound", result.lower_bound},
                    {"suboptimality_bound", or_null(result.suboptimality_bound())},
-                   {"guarantee", to_value(result.guarantee)},
+                   {"guarantee", result.has_bound() ? to_value(result.guarantee) : Json(nullptr)},
                    {"search_objects", list(result.search_objects)},
                    {"objects", list(result.objects)},
-                   {"stats", to_value(result.stats)}});
+                   {"stats", to_value(result.stats)}};
+  if (!result.has_bound()) json["counted_with"] = counted_with(result.guarantee);
+  return dump(json);
 }
 
 std::string to_json_lines(const std::vector<TraceEntry>& trace) {

@@ -12,7 +12,12 @@
 
 namespace perch {
 
-enum class Status { solved, time_limit, infeasible };
+enum class Status {
+  solved,
+  time_limit,
+  infeasible,
+  unproven  ///< the answer of a method that proves nothing
+};
 
 /// As result.json writes it.
 constexpr std::string_view name(Status status) {
@@ -22,9 +27,11 @@ constexpr std::string_view name(Status status) {
     case Status::time_limit:
       return "time_limit";
     case Status::infeasible:
+      return "infeasible";
+    case Status::unproven:
       break;
   }
-  return "infeasible";
+  return "unproven";
 }
 
 /// The flat explanation cost of a scene and its parts, counts of points.
@@ -48,7 +55,8 @@ struct RunnerUp {
 /// One object of the scene as reported.
 struct ObjectResult {
   std::string model;
-  bool absent = false;  ///< an optional object that was left out: nothing below holds
+  bool absent = false;  ///< an optional object that was left out, or one that a baseline found no pose of:
+                        ///< nothing below holds
   Pose pose;
   Eigen::Isometry3d world_from_model = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
@@ -101,18 +109,21 @@ struct TraceEntry {
 
 /// The answer to one scene, as written to result.json.
 struct Result {
+  std::string method = "perch";  ///< as `--method` names it
   Status status = Status::infeasible;
   std::string reason;  ///< one clause: why it stopped where it did, e.g. which object has no valid pose
   std::optional<CostRecord> cost;  ///< of `objects`; empty without a scene
   std::int64_t observed_points = 0;
   std::optional<std::int64_t> search_cost;  ///< of `search_objects`
   std::int64_t lower_bound = 0;
-  Guarantee guarantee;
+  Guarantee guarantee;  ///< without has_bound(): what costs are counted with, all else unset
   std::vector<ResultPose> search_objects;
   std::vector<ObjectResult> objects;
   Stats stats;
   std::vector<TraceEntry> trace;  ///< ascending in time; costs never rise, bounds never fall
 
+  /// False for the baselines: there is neither a searched scene nor a bound.
+  bool has_bound() const { return method == "perch"; }
   /// search_cost / lower_bound; 1 for 0 / 0; empty where the bound is 0 and the cost is not, or without a
   /// scene.
   std::optional<double> suboptimality_bound() const;

@@ -15,6 +15,10 @@ template <typename T>
 struct Names;  // of an enumeration's values, in order
 
 template <>
+struct Names<LocalizationMethod> {
+  static inline const std::vector<std::string> all{"perch", "bfwor", "ourcvfh", "ppf"};
+};
+template <>
 struct Names<CandidateMode> {
   static inline const std::vector<std::string> all{"fixed", "context"};
 };
@@ -123,6 +127,8 @@ SettingsField degrees_field(std::string key, std::string help, Member<double> me
 
 std::vector<SettingsField> make_fields() {
   return {
+      field("method", "perch, or one of the baselines bfwor, ourcvfh and ppf, which have no bound",
+            PERCH_FIELD(localization)),
       field("search.w", "suboptimality factor, >= 1", PERCH_FIELD(w)),
       optional_field("search.method",
                      "branch-and-bound or focal-mha; auto: the first for fixed candidates, the second in "
@@ -206,7 +212,22 @@ void Settings::check() const {
   ambiguity.check();
 }
 
+namespace {
+
+/// A baseline has no search: what is set of it would be left aside without a word.
+void check_baseline(const Settings& settings) {
+  const Settings defaults;
+  for (const SettingsField& field : settings_fields())
+    if (field.key.starts_with("search.") && field.key != "search.time_limit" &&
+        field.get(settings) != field.get(defaults))
+      throw InvalidSetting(fmt::format("{} is {}, which {} has no use for; leave it out, or use --method perch",
+                                       field.key, field.get(settings), name(settings.localization)));
+}
+
+}  // namespace
+
 void Settings::check_together() const {
+  if (localization != LocalizationMethod::perch) return check_baseline(*this);
   if (search_method() == SearchMethod::branch_and_bound && bound != StateBound::lagrangian)
     throw InvalidSetting(fmt::format(
         "search.bound is {}, but branch-and-bound needs lagrangian; use --search focal-mha", name(bound)));
@@ -233,6 +254,9 @@ void set_field(Settings& settings, const std::string& key, const std::string& va
   throw InvalidSetting(fmt::format("{}: unknown setting; known are {}", key, fmt::join(known, ", ")));
 }
 
+std::string name(LocalizationMethod method) {
+  return print(method);
+}
 std::string name(CandidateMode mode) {
   return print(mode);
 }

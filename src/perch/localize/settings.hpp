@@ -13,6 +13,14 @@
 
 namespace perch {
 
+/// What finds the objects.
+enum class LocalizationMethod {
+  perch,    ///< the search, with its bound
+  bfwor,    ///< these have none: see docs/baselines.md
+  ourcvfh,
+  ppf
+};
+
 /// How the poses are made that the search ranges over.
 enum class CandidateMode {
   fixed,   ///< every (model, grid pose) refined once, alone
@@ -34,6 +42,7 @@ enum class StateBound {
 /// Everything that can be set. The command line, settings files and `--set` all go through settings_fields,
 /// so that a default is written once, here and in the structs below.
 struct Settings {
+  LocalizationMethod localization = LocalizationMethod::perch;
   double w = 3.0;  ///< the answer costs at most w times the optimum
   CandidateMode mode = CandidateMode::fixed;
   std::optional<SearchMethod> method;  ///< see search_method()
@@ -76,6 +85,7 @@ const std::vector<SettingsField>& settings_fields();
 /// Sets one field from text. Throws InvalidSetting naming key, value and remedy, also for an unknown key.
 void set_field(Settings& settings, const std::string& key, const std::string& value);
 
+std::string name(LocalizationMethod method);
 std::string name(CandidateMode mode);
 std::string name(SearchMethod method);
 std::string name(StateBound bound);

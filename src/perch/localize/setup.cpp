@@ -5,34 +5,20 @@
 
 #include "perch/core/error.hpp"
 #include "perch/localize/localize.hpp"
+#include "perch/observation/extent.hpp"
 
 namespace perch {
-namespace {
-
-/// From the lowest observed points.
-double estimated_table_height(const Observation& observation) {
-  std::vector<double> heights;
-  heights.reserve(observation.size());
-  for (const Eigen::Vector3f& p : observation.points())
-    heights.push_back((observation.camera().world_from_camera * p.cast<double>()).z());
-  // The lowest points lie where objects meet the plane; a few in a hundred are noise below it.
-  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 200);
-  std::nth_element(heights.begin(), low, heights.end());
-  return *low;
-}
-
-}  // namespace
 
 double table_height(const Scene& scene) {
   if (scene.table_height) return *scene.table_height;
-  return estimated_table_height(Observation(scene.camera, scene.depth, scene.mask));
+  return lowest_height(Observation(scene.camera, scene.depth, scene.mask));
 }
 
 std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Settings& settings,
                                                   const Executor& executor, const StopCondition& stop) {
   settings.check();
   Observation observation(scene.camera, scene.depth, scene.mask);
-  const double table = scene.table_height ? *scene.table_height : estimated_table_height(observation);
+  const double table = scene.table_height ? *scene.table_height : lowest_height(observation);
   std::vector<std::optional<ObjectModel>> made(scene.models.size());
   if (!executor.for_each(
           made.size(),

@@ -57,6 +57,7 @@ class CertificateCheck {
     for (const auto& [key, count] : counts)
       if (count < 0) negative += fmt::format("{}{} {}", negative.empty() ? "" : ", ", key, count);
     add("counts", negative.empty() ? "none below 0" : negative, "none below 0", negative.empty());
+    if (!result_.has_bound()) return;
     const double w = result_.guarantee.w;
     add("guarantee.w", fmt::format("{}", w), "at least 1", w >= 1.0);
   }
@@ -67,6 +68,7 @@ class CertificateCheck {
     const bool all = cost && observed && rendered;
     add("cost = cost_observed + cost_rendered", text(cost),
         all ? fmt::format("{}", *observed + *rendered) : "not null", all && *cost == *observed + *rendered);
+    if (!result_.has_bound()) return;
     add("cost <= search_cost", text(cost), fmt::format("at most {}", text(result_.search_cost)),
         cost && result_.search_cost && *cost <= *result_.search_cost);
     add("lower_bound <= search_cost", fmt::format("{}", result_.lower_bound),
@@ -87,13 +89,23 @@ class CertificateCheck {
             (!bound || std::abs(*reported - *bound) <= rounding * std::abs(*bound)));
   }
 
+  /// A method without a bound: nothing is stated that only a search can know.
+  void check_unproven() {
+    add("lower_bound", fmt::format("{}, no bound to check", result_.lower_bound), "0", result_.lower_bound == 0);
+    add("search_cost", text(result_.search_cost), "null", !result_.search_cost);
+    add("search_objects", fmt::format("{}", result_.search_objects.size()), "0", result_.search_objects.empty());
+    add("status", std::string(name(result_.status)), "unproven or time_limit",
+        result_.status == Status::unproven || result_.status == Status::time_limit);
+  }
+
   void check_status() {
+    if (!result_.has_bound()) return check_unproven();
     const double w = result_.guarantee.w;
     std::string wanted;
     bool holds = false;
     if (!result_.search_cost) {
       wanted = "infeasible or time_limit";
-      holds = result_.status != Status::solved;
+      holds = result_.status == Status::infeasible || result_.status == Status::time_limit;
     } else {
       const double cost = static_cast<double>(*result_.search_cost),
                    most = w * static_cast<double>(result_.lower_bound);
@@ -113,9 +125,10 @@ class CertificateCheck {
       const ReportedObject& reported = result_.objects[i];
       add(fmt::format("objects[{}].model", i),
           model_name(reported.model) + (reported.absent ? ", absent" : ""),
-          model_name(objects[i].model) + (objects[i].optional ? ", or absent" : ""),
-          reported.model == objects[i].model && (objects[i].optional || !reported.absent));
+          model_name(objects[i].model) + (may_be_absent(objects[i]) ? ", or absent" : ""),
+          reported.model == objects[i].model && (may_be_absent(objects[i]) || !reported.absent));
     }
+    if (!result_.has_bound()) return;
     for (std::size_t model = 0; model < scene_.models.size(); ++model) {
       std::int64_t most = 0, least = 0;
       for (const SceneObject& object : objects)
@@ -132,6 +145,8 @@ class CertificateCheck {
     }
   }
 
+  /// A method without a bound may have found no pose of an object.
+  bool may_be_absent(const SceneObject& object) const { return object.optional || !result_.has_bound(); }
   const std::string& model_name(std::size_t model) const { return scene_.models[model].name; }
 
   const Scene& scene_;

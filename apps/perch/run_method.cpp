@@ -1,0 +1,84 @@
+#include "run_method.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "perch/baselines/bfwor.hpp"
+#include "perch/core/error.hpp"
+#include "perch/core/stopwatch.hpp"
+#include "perch/localize/given_poses.hpp"
+#include "perch/localize/localize.hpp"
+#ifdef PERCH_HAS_PPF
+#include "perch/baselines/ppf.hpp"
+#endif
+
+namespace perch::app {
+namespace {
+
+/// What a method that this program may have been built without needs.
+struct Component {
+  bool built;
+  const char *option, *packages;
+};
+
+std::optional<Component> component_of(LocalizationMethod method) {
+#ifdef PERCH_HAS_PPF
+  constexpr bool has_ppf = true;
+#else
+  constexpr bool has_ppf = false;
+#endif
+  if (method == LocalizationMethod::ppf)
+    return Component{has_ppf, "PERCH_OPENCV", "libopencv-dev and libopencv-contrib-dev"};
+  if (method == LocalizationMethod::ourcvfh) return Component{false, "PERCH_PCL", "libpcl-dev"};
+  return std::nullopt;
+}
+
+BaselineAnswer run_baseline(const Scene& scene, const Settings& settings, const Executor& executor,
+                            const StopCondition& stop) {
+  const CandidateSettings& common = settings.candidates;
+#ifdef PERCH_HAS_PPF
+  if (settings.localization == LocalizationMethod::ppf) {
+    PpfSettings ppf_settings;
+    ppf_settings.cost = common.cost;
+    ppf_settings.refine = common.refine;
+    ppf_settings.collision = common.collision;
+    return ppf(scene, ppf_settings, executor, stop);
+  }
+#endif
+  return bfwor(scene, {common.grid, common.refine, common.collision}, executor, stop);
+}
+
+}  // namespace
+
+void check_built(LocalizationMethod method) {
+  const auto component = component_of(method);
+  if (component && !component->built)
+    throw InvalidSetting(fmt::format(
+        "--method: {} is not built in; install {} (script/bootstrap --baselines) and configure with -D{}=ON",
+        name(method), component->packages, component->option));
+}
+
+Result run_method(const Scene& scene, const Settings& settings, const Executor& executor,
+                  const StopCondition& stop, const std::function<void(const Progress&)>& on_progress) {
+  if (settings.localization == LocalizationMethod::perch)
+    return localize(scene, settings, executor, stop, on_progress);
+  const Stopwatch watch;
+  Progress progress;
+  progress.stage = "poses";
+  if (on_progress) on_progress(progress);
+  BaselineAnswer answer;
+  try {
+    answer = run_baseline(scene, settings, executor, stop);
+  } catch (const Interrupted&) {
+    answer.stopped = true;
+  }
+  const double seconds = watch.seconds();
+  Result result = report_given_poses(scene, answer.poses, answer.stopped, settings, executor);
+  result.stats.rendered = answer.hypotheses;
+  result.stats.seconds.total = seconds;
+  for (TraceEntry& entry : result.trace) entry.seconds = seconds;
+  return result;
+}
+
+}  // namespace perch::app
