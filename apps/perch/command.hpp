@@ -48,6 +48,7 @@ using Run = std::function<int()>;
 void add_localize(CLI::App& app, Run& run);
 void add_score(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
+void add_benchmark(CLI::App& app, Run& run);
 void add_verify(CLI::App& app, Run& run);  // where it is built
 
 }  // namespace perch::app

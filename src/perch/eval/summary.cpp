@@ -30,7 +30,8 @@ void divide(Recalls& counts, std::size_t objects) {
   counts.ar_vsd /= all * n * n;
 }
 
-double median(std::vector<double> values) {
+std::optional<double> median(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2;
   return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
@@ -64,21 +65,27 @@ MethodSummary summarize(const MethodRecord& record) {
   summary.scenes = record.scenes.size();
   for (int i = 0; i < bins; ++i)
     summary.visibility.push_back({i / static_cast<double>(bins), (i + 1) / static_cast<double>(bins), {}});
-  std::vector<double> seconds;
+  std::vector<double> seconds, rendered, bounds;
   for (const SceneRecord& scene : record.scenes) {
-    if (scene.run)
+    if (scene.run) {
       seconds.push_back(scene.run->seconds);
-    else
+      rendered.push_back(static_cast<double>(scene.run->rendered));
+      if (scene.run->suboptimality_bound) bounds.push_back(*scene.run->suboptimality_bound);
+    } else {
       summary.without_result.push_back(scene.scene);
+    }
     summary.surplus += scene.surplus;
     for (const ObjectRecord& object : scene.objects) count_object(object, summary);
   }
   divide(summary.recalls, summary.right.objects);
-  if (!seconds.empty()) {
+  if (!seconds.empty())
     summary.mean_seconds =
         std::accumulate(seconds.begin(), seconds.end(), 0.0) / static_cast<double>(seconds.size());
-    summary.median_seconds = median(seconds);
-  }
+  summary.median_seconds = median(seconds);
+  summary.median_rendered = median(rendered);
+  summary.bounded = bounds.size();
+  if (!bounds.empty()) summary.largest_bound = *std::max_element(bounds.begin(), bounds.end());
+  summary.median_bound = median(bounds);
   return summary;
 }
 
