@@ -82,9 +82,9 @@ std::string run_gnuplot(const std::string& script) {
 std::string quoted_for_gnuplot(std::string_view text) {
   std::string quoted = "'";
   for (const char c : text) {
-    const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    const bool printable = c >= 0x20 && c < 0x7f;  // bytes that are no UTF-8 would spoil an SVG
     // Even between single quotes, these might be taken for commands or macros.
-    quoted += control || c == '`' || c == '@' || c == '\\' ? '_' : c;
+    quoted += !printable || c == '`' || c == '@' || c == '\\' ? '_' : c;
     if (c == '\'') quoted += c;
   }
   return quoted + "'";
