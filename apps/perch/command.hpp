@@ -47,6 +47,7 @@ auto blaming(const std::string& name, const Work& work) {
 using Run = std::function<int()>;
 void add_localize(CLI::App& app, Run& run);
 void add_score(CLI::App& app, Run& run);
+void add_simulate(CLI::App& app, Run& run);
 void add_verify(CLI::App& app, Run& run);  // where it is built
 
 }  // namespace perch::app

@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   Run run;
   add_localize(app, run);
   add_score(app, run);
+  add_simulate(app, run);
 #ifdef PERCH_HAS_VERIFY
   add_verify(app, run);
 #endif
