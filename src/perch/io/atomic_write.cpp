@@ -107,6 +107,23 @@ void OutputSet::commit(const fs::path& wanted) const {
   undo.keep();
 }
 
+void OutputSet::create_folder(const fs::path& wanted) const {
+  const fs::path folder = wanted.lexically_normal();
+  if (!folder.has_filename()) fail(wanted, "can't be made", "it names no folder");
+  const fs::path parent = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
+  Undo undo;
+  make_directories(parent, undo);
+  std::error_code error;
+  if (fs::exists(fs::symlink_status(folder, error))) fail(folder, "can't be made", "something has this name");
+  const fs::path temporary = temporary_name(parent);
+  if (!fs::create_directory(temporary, error)) fail(folder, "can't be made", error.message());
+  undo.remember(temporary);
+  for (const auto& [name, bytes] : files_) write_new_file(temporary / name, folder / name, bytes, undo);
+  fs::rename(temporary, folder, error);
+  if (error) fail(folder, "can't be made", error.message());
+  undo.keep();
+}
+
 void OutputSet::rehearse(const fs::path& wanted) const {
   Undo undo;
   write_temporaries(files_, wanted.empty() ? fs::path(".") : wanted.lexically_normal(), undo);

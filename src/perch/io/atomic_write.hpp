@@ -20,6 +20,10 @@ class OutputSet {
   /// files of the same names are as they were (unless the disk fails between two renames).
   void commit(const std::filesystem::path& directory) const;
 
+  /// Writes the files into a new folder, which appears with all of them or not at all. Throws as commit(),
+  /// also where there is something of that name already.
+  void create_folder(const std::filesystem::path& folder) const;
+
   /// Does what commit() does up to the renaming, and undoes it: throws where commit() would, so that a place
   /// that can't be written to is known before the work is done.
   void rehearse(const std::filesystem::path& directory) const;

@@ -244,6 +244,11 @@ std::string encode_png16_gray(const Image<std::uint16_t>& image) {
                 static_cast<std::size_t>(image.width()) * 2);
 }
 
+std::string encode_png8_gray(const Image<std::uint8_t>& image) {
+  return encode(image.width(), image.height(), 8, PNG_COLOR_TYPE_GRAY, image.data().data(),
+                static_cast<std::size_t>(image.width()));
+}
+
 std::string encode_png_color(const Image<Rgb>& image) {
   static_assert(sizeof(Rgb) == 3);
   return encode(image.width(), image.height(), 8, PNG_COLOR_TYPE_RGB,

@@ -24,6 +24,9 @@ Image<Rgb> read_color(const std::filesystem::path& path, int width, int height);
 /// The bytes of a 16-bit greyscale PNG; the image must not be empty.
 std::string encode_png16_gray(const Image<std::uint16_t>& image);
 
+/// The bytes of an 8-bit greyscale PNG; the image must not be empty.
+std::string encode_png8_gray(const Image<std::uint8_t>& image);
+
 /// The bytes of an 8-bit RGB PNG; the image must not be empty.
 std::string encode_png_color(const Image<Rgb>& image);
 

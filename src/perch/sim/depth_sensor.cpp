@@ -1,6 +1,7 @@
 #include "perch/sim/depth_sensor.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -93,7 +94,60 @@ double facing(const DepthImage& depth, const RaySlopes& rays, int u, int v, doub
   return std::abs(across.cross(down).normalized().dot(point(u, v).normalized()));
 }
 
+/// What a pixel reads that sees its own surface and, with a share of its area, the one beside it at the
+/// farthest other depth: their mean, weighted by the light that comes back, which falls with the square of
+/// the distance. The phase of two echoes added up tends to that where their depths differ by little of the
+/// sensor's range.
+float mixed_depth(const DepthImage& depth, int u, int v, double gap, double share) {
+  const float own = depth(u, v);
+  float other = own;
+  for (const auto& [du, dv] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+    if (!depth.contains(u + du, v + dv)) continue;
+    const float z = depth(u + du, v + dv);
+    if (z > 0.0F && !connected(own, z, gap) && std::abs(z - own) > std::abs(other - own)) other = z;
+  }
+  const double own_light = (1.0 - share) / (double{own} * own), other_light = share / (double{other} * other);
+  return static_cast<float>((own_light * own + other_light * other) / (own_light + other_light));
+}
+
 }  // namespace
+
+DepthSensorSettings DepthSensorSettings::structured_light() {
+  DepthSensorSettings settings;
+  settings.baseline = 0.05;
+  settings.focal_length = 424.0;  // 848 pixels across 90 degrees
+  settings.disparity_noise = 0.08;
+  settings.disparity_step = 1.0 / 32.0;
+  settings.nearest = 0.2;
+  settings.farthest = 10.0;
+  return settings;
+}
+
+DepthSensorSettings DepthSensorSettings::time_of_flight() {
+  DepthSensorSettings settings;
+  settings.disparity_noise = 0.0;
+  settings.disparity_step = 0.0;
+  settings.projector_shadow = false;
+  settings.edge_jitter = 0.0;
+  settings.depth_noise = 0.0005;
+  settings.amplitude_noise = 0.001;
+  settings.flying_pixels = 0.5;
+  settings.nearest = 0.25;
+  return settings;
+}
+
+const std::vector<std::string>& sensor_names() {
+  static const std::vector<std::string> names{"kinect", "clean", "structured-light", "time-of-flight"};
+  return names;
+}
+
+DepthSensorSettings named_sensor(const std::string& name) {
+  if (name == "kinect") return DepthSensorSettings::kinect();
+  if (name == "clean") return DepthSensorSettings::clean();
+  if (name == "structured-light") return DepthSensorSettings::structured_light();
+  if (name == "time-of-flight") return DepthSensorSettings::time_of_flight();
+  throw InvalidSetting(fmt::format("'{}' is no sensor; known are {}", name, fmt::join(sensor_names(), ", ")));
+}
 
 DepthSensorSettings DepthSensorSettings::clean() {
   DepthSensorSettings settings;
@@ -124,17 +178,27 @@ void DepthSensorSettings::check() const {
   require(std::isfinite(disparity_offset), "disparity_offset", disparity_offset, "finite");
   at_least_zero("edge_jitter", edge_jitter);
   require(dropout_rate >= 0.0 && dropout_rate <= 1.0, "dropout_rate", dropout_rate, "in [0, 1]");
-  require(grazing_start >= 0.0 && grazing_start <= std::numbers::pi / 2, "grazing_start", grazing_start,
-          "in [0, pi/2] (radians)");
-  require(grazing_end >= grazing_start && grazing_end <= std::numbers::pi / 2, "grazing_end", grazing_end,
-          "in [grazing_start, pi/2] (radians)");
+  constexpr double degree = std::numbers::pi / 180.0;
+  constexpr double upright = std::numbers::pi / 2 * (1.0 + 1e-12);  // degrees are rounded
+  require(grazing_start >= 0.0 && grazing_start <= upright, "grazing_start_deg", grazing_start / degree,
+          "in [0, 90] (degrees)");
+  require(grazing_end >= grazing_start && grazing_end <= upright, "grazing_end_deg", grazing_end / degree,
+          "in [sensor.grazing_start_deg, 90] (degrees)");
+  at_least_zero("depth_noise", depth_noise);
+  at_least_zero("amplitude_noise", amplitude_noise);
+  require(flying_pixels >= 0.0 && flying_pixels <= 1.0, "flying_pixels", flying_pixels, "in [0, 1]");
   at_least_zero("surface_gap", surface_gap);
   at_least_zero("nearest", nearest);
   require(farthest > nearest, "farthest", farthest, "greater than sensor.nearest (metres)");
 }
 
-DepthImage sense_depth(const DepthImage& ideal, const Intrinsics& intrinsics, const DepthSensorSettings& s,
-                       std::uint64_t seed) {
+DepthImage sense_depth(const DepthImage& ideal, const Intrinsics& intrinsics,
+                       const DepthSensorSettings& settings, std::uint64_t seed) {
+  return sense(ideal, intrinsics, settings, seed).depth;
+}
+
+SensedDepth sense(const DepthImage& ideal, const Intrinsics& intrinsics, const DepthSensorSettings& s,
+                  std::uint64_t seed) {
   intrinsics.check();
   s.check();
   if (ideal.width() != intrinsics.width || ideal.height() != intrinsics.height)
@@ -152,14 +216,23 @@ DepthImage sense_depth(const DepthImage& ideal, const Intrinsics& intrinsics, co
   const RaySlopes rays(intrinsics);
   const double focal_baseline = s.focal_length.value_or(intrinsics.fx) * std::abs(s.baseline);
   const bool through_disparity = s.disparity_noise > 0.0 || s.disparity_step > 0.0;
+  const bool direct = s.depth_noise > 0.0 || s.amplitude_noise > 0.0 || s.flying_pixels > 0.0;
   const double no_grazing = std::numbers::pi / 2;
   Random random(seed);
-  DepthImage sensed(ideal.width(), ideal.height());
+  Random direct_random = Random(~seed);  // apart, so that it reshuffles none of the others
+  SensedDepth sensed{DepthImage(ideal.width(), ideal.height()),
+                     Image<std::uint32_t>(ideal.width(), ideal.height())};
   for (int v = 0; v < ideal.height(); ++v)
     for (int u = 0; u < ideal.width(); ++u) {
       const double aside = s.edge_jitter * random.normal(), below = s.edge_jitter * random.normal();
       const double noise = s.disparity_noise * random.normal();
       const double grazing_draw = random.uniform(), dropout_draw = random.uniform();
+      double depth_draw = 0.0, flying_draw = 1.0, share_draw = 0.0;
+      if (direct) {
+        depth_draw = direct_random.normal();
+        flying_draw = direct_random.uniform();
+        share_draw = direct_random.uniform();
+      }
 
       const int ju = u + static_cast<int>(std::lround(aside)), jv = v + static_cast<int>(std::lround(below));
       // Within a surface the disparity's noise already says all that was measured.
@@ -168,11 +241,14 @@ DepthImage sense_depth(const DepthImage& ideal, const Intrinsics& intrinsics, co
       const int su = looks_aside ? ju : u, sv = looks_aside ? jv : v;
       float z = lit(su, sv);
       if (z <= 0.0F || dropout_draw < s.dropout_rate) continue;
+      const bool asks_angle = s.grazing_start < no_grazing || s.amplitude_noise > 0.0;
+      const double cosine = asks_angle ? std::min(1.0, facing(ideal, rays, su, sv, s.surface_gap)) : 1.0;
       if (s.grazing_start < no_grazing) {
-        const double angle = std::acos(std::min(1.0, facing(ideal, rays, su, sv, s.surface_gap)));
+        const double angle = std::acos(cosine);
         const double ramp = std::max(s.grazing_end - s.grazing_start, 1e-9);
         if (grazing_draw < (angle - s.grazing_start) / ramp) continue;
       }
+      if (flying_draw < s.flying_pixels) z = mixed_depth(lit, su, sv, s.surface_gap, 0.5 * share_draw);
       if (through_disparity) {
         double disparity = focal_baseline / z + noise + s.disparity_offset;
         if (s.disparity_step > 0.0) disparity = s.disparity_step * std::round(disparity / s.disparity_step);
@@ -180,7 +256,15 @@ DepthImage sense_depth(const DepthImage& ideal, const Intrinsics& intrinsics, co
         if (disparity <= 0.0) continue;
         z = static_cast<float>(focal_baseline / disparity);
       }
-      if (z >= s.nearest && z <= s.farthest) sensed(u, v) = z;
+      if (direct) {
+        constexpr double least_cosine = 0.01;  // no reading is without end
+        const double deviation = s.depth_noise + s.amplitude_noise * z * z / std::max(cosine, least_cosine);
+        z += static_cast<float>(deviation * depth_draw);
+        if (z <= 0.0F) continue;
+      }
+      if (z < s.nearest || z > s.farthest) continue;
+      sensed.depth(u, v) = z;
+      sensed.source(u, v) = static_cast<std::uint32_t>(ideal.index(su, sv));
     }
   return sensed;
 }

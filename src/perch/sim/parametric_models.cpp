@@ -8,52 +8,13 @@
 #include <numbers>
 
 #include "perch/core/error.hpp"
+#include "perch/sim/shape_parts.hpp"
 
 namespace perch {
 namespace {
 
 using std::numbers::pi;
-constexpr int around = 48;             // a chord of a 5 cm radius is then 0.1 mm off its circle
-constexpr double up_the_side = 0.012;  // metres between rings
-constexpr double edge = 0.003;         // metres of rounding where solids of household things have any
-
-Eigen::Isometry3d shift(double x, double y, double z) {
-  return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
-}
-
-/// Outside up, inside down, with a straight wall.
-Profile vessel(double bottom_radius, double rim_radius, double height, double wall, double bottom) {
-  const double lean = (rim_radius - bottom_radius) / height;
-  return {{0.0, 0.0},
-          {bottom_radius, 0.0},
-          {rim_radius, height},
-          {rim_radius - wall, height},
-          {bottom_radius + lean * bottom - wall, bottom},
-          {0.0, bottom}};
-}
-
-/// A cubic Bezier curve that leaves the wall and comes back to it level.
-Mesh handle_mesh(const HandleShape& handle, double wall_radius_top, double wall_radius_bottom) {
-  constexpr int chords = 24;
-  const double out = handle.reach * 4.0 / 3.0;  // the curve reaches three quarters of its control points
-  const Eigen::Vector2d p0(wall_radius_top, handle.top), p1(wall_radius_top + out, handle.top),
-      p2(wall_radius_bottom + out, handle.bottom), p3(wall_radius_bottom, handle.bottom);
-  std::vector<Eigen::Vector2d> path;
-  for (int i = 0; i <= chords; ++i) {
-    const double t = static_cast<double>(i) / chords, s = 1.0 - t;
-    path.emplace_back(s * s * s * p0 + 3 * s * s * t * p1 + 3 * s * t * t * p2 + t * t * t * p3);
-  }
-  return tube(path, handle.half_width, handle.half_thickness, 16);
-}
-
-Mesh turned(std::span<const ProfilePoint> profile, const Section& section = {}) {
-  return revolve(subdivided(profile, up_the_side), around, section);
-}
-
-/// A closed cylinder or cone frustum between two heights.
-Mesh frustum(double bottom_radius, double top_radius, double height) {
-  return turned(Profile{{0.0, 0.0}, {bottom_radius, 0.0}, {top_radius, height}, {0.0, height}});
-}
+constexpr double edge = 0.003;  // metres of rounding where solids of household things have any
 
 }  // namespace
 
@@ -158,7 +119,7 @@ Mesh carton_mesh(const CartonShape& s) {
 }
 
 Mesh tin_mesh(const TinShape& s) {
-  const int segments = s.sides * ((around + s.sides - 1) / s.sides);  // a vertex at every corner
+  const int segments = s.sides * ((turned_sides + s.sides - 1) / s.sides);  // a vertex at every corner
   const Profile profile{{0.0, 0.0}, {s.radius, 0.0}, {s.radius, s.height}, {0.0, s.height}};
   return revolve(subdivided(profile, up_the_side), segments, polygon_section(s.sides));
 }

@@ -7,6 +7,7 @@
 #include "perch/localize/scene.hpp"
 #include "perch/model/mesh.hpp"
 #include "perch/sim/mesh_builder.hpp"
+#include "perch/sim/shape_parts.hpp"
 
 namespace perch {
 
@@ -52,14 +53,6 @@ struct BowlShape {
 };
 Profile bowl_profile(const BowlShape& shape);
 Mesh bowl_mesh(const BowlShape& shape = {});
-
-/// A handle from wall to wall: where it meets the wall's middle above and below, how far it reaches out, and
-/// its elliptic section.
-struct HandleShape {
-  double top, bottom;  ///< heights of its ends
-  double reach;        ///< from the wall
-  double half_width = 0.007, half_thickness = 0.0045;
-};
 
 /// A mug; no symmetry. The handle is a closed tube of its own that ends inside the wall.
 struct MugShape {

@@ -17,11 +17,6 @@ void append_little_endian(std::string& bytes, std::uint32_t value) {
   for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<char>((value >> shift) & 0xFFU));
 }
 
-/// Shortest text that reads back as the same double; never -0.
-std::string number(double value) {
-  return fmt::format("{}", value + 0.0);
-}
-
 std::string commented(const std::string& comment) {
   std::string text, line;
   std::istringstream lines(comment);
@@ -46,39 +41,49 @@ std::string encode_ply(const Mesh& mesh) {
   return bytes;
 }
 
-std::string scene_yaml(const SimulatedScene& simulated, const std::string& comment) {
+std::string exact_number(double value) {
+  return fmt::format("{}", value + 0.0);
+}
+
+std::string scene_yaml(const SimulatedScene& simulated, const std::string& comment,
+                       const std::string& model_folder) {
   const Scene& scene = simulated.scene;
   const Intrinsics& k = scene.camera.intrinsics;
   std::string text = commented(comment) + "version: 1\ncamera:\n";
-  text += fmt::format("  intrinsics: {{width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}}}\n", k.width,
-                      k.height, number(k.fx), number(k.fy), number(k.cx), number(k.cy));
+  text +=
+      fmt::format("  intrinsics: {{width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}}}\n", k.width,
+                  k.height, exact_number(k.fx), exact_number(k.fy), exact_number(k.cx), exact_number(k.cy));
   text += "  world_from_camera:  # metres; camera x right, y down, z forward; world z up\n";
   const Eigen::Matrix4d pose = scene.camera.world_from_camera.matrix();
   for (int i = 0; i < 4; ++i)
-    text += fmt::format("    - [{}, {}, {}, {}]\n", number(pose(i, 0)), number(pose(i, 1)),
-                        number(pose(i, 2)), number(pose(i, 3)));
-  text += fmt::format(
-      "observation:\n  depth: depth.png\n  depth_scale: {}  # metres per count; 0 = no reading\n"
-      "  background: removed  # every pixel with a reading belongs to an object\n",
-      number(scene.depth_scale));
+    text += fmt::format("    - [{}, {}, {}, {}]\n", exact_number(pose(i, 0)), exact_number(pose(i, 1)),
+                        exact_number(pose(i, 2)), exact_number(pose(i, 3)));
+  text +=
+      fmt::format("observation:\n  depth: depth.png\n  depth_scale: {}  # metres per count; 0 = no reading\n",
+                  exact_number(scene.depth_scale));
+  if (scene.mask)
+    text += "  mask: mask.png  # non-zero: the reading is one of an object\n  background: removed\n";
+  else
+    text += "  background: removed  # every pixel with a reading belongs to an object\n";
   if (scene.table_height)
     text += fmt::format("table: {{height: {}}}  # world z of the support plane, metres\n",
-                        number(*scene.table_height));
+                        exact_number(*scene.table_height));
   if (const auto& w = scene.workspace)
     text += fmt::format("workspace: {{x: [{}, {}], y: [{}, {}]}}  # where object origins may lie, metres\n",
-                        number(w->x_min), number(w->x_max), number(w->y_min), number(w->y_max));
+                        exact_number(w->x_min), exact_number(w->x_max), exact_number(w->y_min),
+                        exact_number(w->y_max));
   text += "models:\n";
   for (const SceneModel& model : scene.models)
-    text += fmt::format("  {0}: {{mesh: models/{0}.ply, unit: m, symmetry: {1}, base: {2}}}\n", model.name,
-                        model.symmetry.name(), number(model.base));
+    text += fmt::format("  {0}: {{mesh: {1}/{0}.ply, unit: m, symmetry: {2}, base: {3}}}\n", model.name,
+                        model_folder, model.symmetry.name(), exact_number(model.base));
   text += "objects: [";
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     text += fmt::format(fmt::runtime(scene.objects[i].optional ? "{}{{model: {}, optional: true}}" : "{}{}"),
                         i == 0 ? "" : ", ", scene.models[scene.objects[i].model].name);
   text += "]\n";
   const auto placed_at = [&](std::size_t model, const Pose& at) {
-    return fmt::format("  - {{model: {}, x: {}, y: {}, yaw: {}}}", scene.models[model].name, number(at.x),
-                       number(at.y), number(at.yaw));
+    return fmt::format("  - {{model: {}, x: {}, y: {}, yaw: {}}}", scene.models[model].name,
+                       exact_number(at.x), exact_number(at.y), exact_number(at.yaw));
   };
   if (!scene.priors.empty()) text += "priors:  # from another detector; metres and radians\n";
   for (const PlacedModel& prior : scene.priors) text += placed_at(prior.model, prior.pose) + "\n";

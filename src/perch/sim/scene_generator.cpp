@@ -48,11 +48,6 @@ std::vector<std::size_t> draw_models(Random& random, const TabletopOptions& opti
   return drawn;
 }
 
-bool clear_of_border(const Window& window, const Intrinsics& intrinsics) {
-  return !window.empty() && window.u0 > 0 && window.v0 > 0 && window.u1 < intrinsics.width &&
-         window.v1 < intrinsics.height;
-}
-
 /// One try at putting each object somewhere free.
 std::optional<std::vector<PlacedModel>> place(Random& random, const TabletopOptions& options,
                                               const std::vector<std::size_t>& objects,

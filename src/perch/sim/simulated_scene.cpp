@@ -18,21 +18,34 @@ RenderedLayout render_layout(const SceneLayout& layout) {
   for (const DepthPatch& patch : patches) all.push_back(&patch);
   const DepthPatch composite = compose(all);
 
-  RenderedLayout rendered{DepthImage(intrinsics.width, intrinsics.height), {}, {}};
+  RenderedLayout rendered;
+  rendered.depth = DepthImage(intrinsics.width, intrinsics.height);
+  rendered.objects = Image<std::uint16_t>(intrinsics.width, intrinsics.height);
   for (int v = composite.window.v0; v < composite.window.v1; ++v)
     for (int u = composite.window.u0; u < composite.window.u1; ++u)
       if (const float z = composite.at(u, v); z < no_surface) rendered.depth(u, v) = z;
   for (const DepthPatch& patch : patches) {
-    std::size_t visible = 0;
+    std::int64_t visible = 0;
     for (int v = patch.window.v0; v < patch.window.v1; ++v)
       for (int u = patch.window.u0; u < patch.window.u1; ++u)
-        visible += patch.at(u, v) < no_surface && patch.at(u, v) == composite.at(u, v);
-    const std::size_t alone = patch.covered();
+        if (patch.at(u, v) < no_surface && patch.at(u, v) == composite.at(u, v)) {
+          ++visible;
+          std::uint16_t& nearest = rendered.objects(u, v);
+          if (nearest == 0) nearest = static_cast<std::uint16_t>(rendered.visible.size() + 1);
+        }
+    const auto alone = static_cast<std::int64_t>(patch.covered());
     rendered.visible_fractions.push_back(
         alone == 0 ? 0.0 : static_cast<double>(visible) / static_cast<double>(alone));
     rendered.windows.push_back(patch.window);
+    rendered.visible.push_back(visible);
+    rendered.alone.push_back(alone);
   }
   return rendered;
+}
+
+bool clear_of_border(const Window& window, const Intrinsics& intrinsics) {
+  return !window.empty() && window.u0 > 0 && window.v0 > 0 && window.u1 < intrinsics.width &&
+         window.v1 < intrinsics.height;
 }
 
 SimulatedScene simulate(const SceneLayout& layout, const DepthSensorSettings& sensor, std::uint64_t seed) {

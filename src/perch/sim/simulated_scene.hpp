@@ -31,9 +31,15 @@ struct RenderedLayout {
   DepthImage depth;                       ///< metres, 0 where no object is
   std::vector<double> visible_fractions;  ///< as in SimulatedScene
   std::vector<Window> windows;            ///< the image of each object alone, cut to the image
+  std::vector<std::int64_t> visible;      ///< pixels at which each object is the nearest
+  std::vector<std::int64_t> alone;        ///< pixels that each would cover alone
+  Image<std::uint16_t> objects;           ///< at each pixel 1 + the nearest object, 0 where there is none
 };
 
 RenderedLayout render_layout(const SceneLayout& layout);
+
+/// True for the window of something that is in view and touches no border of the image.
+bool clear_of_border(const Window& window, const Intrinsics& intrinsics);
 
 /// The layout as the sensor sees it, background removed, with all of its truth.
 SimulatedScene simulate(const SceneLayout& layout, const DepthSensorSettings& sensor, std::uint64_t seed);
