@@ -46,7 +46,7 @@ BaselineAnswer run_baseline(const Scene& scene, const Settings& settings, const 
     return ppf(scene, ppf_settings, executor, stop);
   }
 #endif
-  return bfwor(scene, {common.grid, common.refine, common.collision}, executor, stop);
+  return bfwor(scene, {common.grid, common.refine, common.collision, settings.bfwor_distance_limit}, executor, stop);
 }
 
 }  // namespace

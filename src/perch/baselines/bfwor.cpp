@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "perch/baselines/greedy_orders.hpp"
 #include "perch/baselines/model_cloud.hpp"
@@ -79,8 +80,10 @@ class SlidingModels {
                                                  settings_.refine)
                                                .pose);
     const SurfaceSamples there = placed(cloud, fitted.pose, object.origin_z());
+    const float most =
+        static_cast<float>(settings_.distance_limit.value_or(std::numeric_limits<double>::infinity()));
     for (std::size_t i = 0; i < there.size(); ++i)
-      fitted.misfit += static_cast<double>(observed_.squared_distance(there.point(i)));
+      fitted.misfit += static_cast<double>(std::min(most * most, observed_.squared_distance(there.point(i))));
     fitted.misfit /= static_cast<double>(std::max<std::size_t>(1, there.size()));
     return fitted;
   }
@@ -116,6 +119,9 @@ void BfworSettings::check() const {
   collision.check();
   if (samples < 1 || samples > 1'000'000)
     throw InvalidSetting(fmt::format("bfwor.samples is {}; it must lie between 1 and 1000000", samples));
+  if (distance_limit && !(*distance_limit > 0.0 && *distance_limit <= 100.0))
+    throw InvalidSetting(
+        fmt::format("bfwor.distance_limit is {}; it must lie above 0 and up to 100 metres", *distance_limit));
 }
 
 BaselineAnswer bfwor(const Scene& scene, const BfworSettings& settings, const Executor& executor,
@@ -133,8 +139,7 @@ BaselineAnswer bfwor(const Scene& scene, const BfworSettings& settings, const Ex
     for (const FittedPose& pose : of_model) misfits.push_back(pose.misfit);
   }
   placing.collide = [&](std::size_t a, std::size_t i, std::size_t b, std::size_t j) {
-    return collides(prepared.models[a], poses[a][i].pose, prepared.models[b], poses[b][j].pose,
-                    settings.collision);
+    return prepared.collide(a, poses[a][i].pose, b, poses[b][j].pose, settings.collision);
   };
   const BestOrder best = best_order(placing, stop);
   BaselineAnswer answer;

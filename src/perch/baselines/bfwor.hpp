@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "perch/baselines/baseline.hpp"
 #include "perch/candidates/grid.hpp"
 #include "perch/core/stop.hpp"
@@ -14,6 +16,9 @@ struct BfworSettings {
   GridSettings grid;
   RefineSettings refine;
   CollisionSettings collision;
+  /// A model point farther from the observed cloud than this counts as if it were this far, metres. Not in the
+  /// paper: there every point counts with its distance, also those that can't be seen.
+  std::optional<double> distance_limit;
   int samples = 500;  ///< points of the whole model
 
   /// Throws InvalidSetting naming the field and the value.

@@ -144,6 +144,10 @@ std::vector<SettingsField> make_fields() {
       field("search.anytime", "go on after the first solution: true or false", PERCH_FIELD(anytime)),
       field("search.exhaustive", "value every scene instead of searching: true or false",
             PERCH_FIELD(exhaustive)),
+      optional_field("bfwor.distance_limit",
+                     "what a model point's distance counts at most in ICP's fitness, metres; auto: no limit, as in "
+                     "the paper",
+                     PERCH_FIELD(bfwor_distance_limit)),
       field("threads", "0: as many as the machine has", PERCH_FIELD(threads)),
       field("grid.resolution", "step in x and y, metres", PERCH_FIELD(candidates.grid.resolution)),
       degrees_field("grid.yaw_resolution_deg", "step in yaw, degrees",
@@ -205,6 +209,9 @@ void Settings::check() const {
   if (!std::isfinite(time_limit) || time_limit <= 0.0)
     throw InvalidSetting(
         fmt::format("search.time_limit is {}; it must be finite and > 0 (seconds)", time_limit));
+  if (bfwor_distance_limit && !(*bfwor_distance_limit > 0.0 && *bfwor_distance_limit <= 100.0))
+    throw InvalidSetting(fmt::format("bfwor.distance_limit is {}; it must lie above 0 and up to 100 metres",
+                                     *bfwor_distance_limit));
   if (threads > 1024) throw InvalidSetting(fmt::format("threads is {}; it must be at most 1024", threads));
   candidates.check();
   tree.check();

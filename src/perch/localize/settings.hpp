@@ -52,6 +52,7 @@ struct Settings {
   std::optional<std::uint64_t> max_expansions;  ///< stop the search after so many
   bool anytime = false;     ///< go on after the first solution, until it is proven optimal or time is up
   bool exhaustive = false;  ///< value every scene instead of searching; for small grids
+  std::optional<double> bfwor_distance_limit;  ///< see BfworSettings::distance_limit, metres
   CandidateSettings candidates;
   MonotoneSettings tree;
   PolishSettings polish;
