@@ -49,6 +49,7 @@ Json scene_json(const SceneRecord& scene) {
     json["run"] = {{"status", name(run->status)},
                    {"seconds", run->seconds},
                    {"rendered", run->rendered},
+                   {"expanded", run->expanded},
                    {"suboptimality_bound", or_null(run->suboptimality_bound)}};
   json["surplus"] = scene.surplus;
   json["objects"] = Json::array();
@@ -91,6 +92,11 @@ Json summary_json(const MethodSummary& summary) {
     json["visibility"].push_back(entry);
   }
   json["seconds"] = {{"mean", or_null(summary.mean_seconds)}, {"median", or_null(summary.median_seconds)}};
+  json["rendered"] = {{"median", or_null(summary.median_rendered)}};
+  json["expanded"] = {{"mean", or_null(summary.mean_expanded)}};
+  json["suboptimality_bound"] = {{"scenes", summary.bounded},
+                                 {"median", or_null(summary.median_bound)},
+                                 {"largest", or_null(summary.largest_bound)}};
   return json;
 }
 

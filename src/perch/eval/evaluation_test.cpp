@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "perch/core/random.hpp"
+#include "perch/eval/comparison.hpp"
 #include "perch/eval/figures.hpp"
 #include "perch/eval/gnuplot.hpp"
 #include "perch/eval/report.hpp"
@@ -206,12 +207,12 @@ ObjectRecord object(double translation, double yaw, double visible = 1.0) {
 
 /// Two scenes of one method and none of another.
 std::vector<MethodRecord> two_methods() {
-  SceneRecord first{"a, \"b\"", RunRecord{Status::solved, 3.0, 10, 1.5}, 1, {}};
+  SceneRecord first{"a, \"b\"", RunRecord{Status::solved, 3.0, 10, 7, 1.5}, 1, {}};
   first.objects = {object(0.004, 2.0 * degree), object(0.02, 12.0 * degree, 0.3), object(0.5, 3.0, 0.0)};
   first.objects[1].costs = CostComparison{20, 20};
   first.objects[2].confidence = 0.25;
   SceneRecord second{
-      "c", RunRecord{Status::time_limit, 1.0, 0, std::nullopt}, 0, {object(0.06, 100.0 * degree)}};
+      "c", RunRecord{Status::time_limit, 1.0, 0, 0, std::nullopt}, 0, {object(0.06, 100.0 * degree)}};
   second.objects[0].symmetric = true;
   second.objects[0].errors->mspd = INFINITY;
   std::vector<MethodRecord> methods{{"one", {first, second}}, {"two", {first, second}}};
@@ -250,6 +251,16 @@ TEST(Summary, CountsWhatIsWithinEachThreshold) {
   EXPECT_EQ(summary.visibility[4].tally, (Tally{2, 1, 0}));
 }
 
+TEST(Summary, SaysWhatItTook) {
+  const MethodSummary summary = summarize(two_methods()[0]);
+  EXPECT_EQ(summary.median_rendered, 5.0);
+  EXPECT_EQ(summary.mean_expanded, 3.5);
+  EXPECT_EQ(summary.bounded, 1U);
+  EXPECT_EQ(summary.median_bound, 1.5);
+  EXPECT_EQ(summary.largest_bound, 1.5);
+  EXPECT_FALSE(summarize(two_methods()[1]).median_bound);
+}
+
 TEST(Summary, AveragesRecallsAsBopDoes) {
   const Recalls recalls = summarize(two_methods()[0]).recalls;
   EXPECT_EQ(recalls.add, 0.0);        // 12 mm of 100
@@ -286,6 +297,38 @@ TEST(Tables, SayWhatIsMissing) {
   const std::string text = summary_table(summaries_of(two_methods()));
   EXPECT_THAT(text, HasSubstr("two: no result for 2 of 2 scenes"));
   EXPECT_THAT(object_table(two_methods()), HasSubstr("ambiguous"));
+}
+
+TEST(Comparison, RanksScenesFromBestToWorst) {
+  const auto scene = [](std::vector<ObjectRecord> objects) {
+    return SceneRecord{"s", {}, 0, std::move(objects)};
+  };
+  ObjectRecord missing = object(0.0, 0.0);
+  missing.errors.reset();
+  const MethodRecord record{"one",
+                            {scene({object(0.004, 0.0), object(0.03, 0.0)}),   // half right
+                             scene({object(0.004, 0.0), missing}),             // half right, none at 10 cm
+                             scene({object(0.009, 0.0)}),                      // right
+                             scene({object(0.002, 0.0), object(0.002, 0.0)}),  // right, and nearer
+                             scene({object(0.5, 0.0)}),                        // wrong: 10 cm and no more
+                             scene({missing}), scene({object(0.009, 0.0)})}};
+  EXPECT_THAT(ranked_scenes(record), ElementsAre(3, 2, 6, 0, 1, 4, 5));
+}
+
+TEST(Comparison, ShowsRecallsInPercentAndWhatItTook) {
+  auto methods = two_methods();
+  methods[1].method = "a|b";
+  const std::string tables = comparison_tables(summaries_of(methods));
+  EXPECT_THAT(tables, HasSubstr("| of 4 objects, percent within | 1 cm, 5° |"));
+  EXPECT_THAT(tables,
+              HasSubstr("\n| one | 25.0 | 25.0 | 25.0 | 25.0 | 25.0 | 25.0 | 50.0 | 50.0 | 25.0 | 25.0 | "
+                        "50.0 | 75.0 |\n"));
+  EXPECT_THAT(tables,
+              HasSubstr("\n| one | 2.00 | 2.00 | 5 | 3.5 | 1.500 | 1.500 | 1 of 2 | 1 | 1 | 2 | 0 |\n"));
+  EXPECT_THAT(tables, HasSubstr("\n| a\\|b | - | - | - | - | - | - | 0 of 2 | 0 | 0 | 4 | 4 |\n"));
+  const std::string page = comparison_page("Words.", summaries_of(methods), {{"p.png", "A picture"}});
+  EXPECT_THAT(page, HasSubstr("# Benchmark\n\nWords.\n\n" + tables));
+  EXPECT_THAT(page, HasSubstr("![A picture](p.png)"));
 }
 
 TEST(Tables, CsvHasALineForEachObjectAndThreshold) {

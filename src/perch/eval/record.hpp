@@ -72,6 +72,7 @@ struct RunRecord {
   Status status = Status::infeasible;
   double seconds = 0.0;
   std::int64_t rendered = 0;                  ///< hypotheses
+  std::int64_t expanded = 0;                  ///< states or nodes of the search
   std::optional<double> suboptimality_bound;  ///< proven; empty where there is none
 };
 

@@ -113,8 +113,8 @@ void SceneEvaluator::compare_costs(const std::vector<std::optional<Pose>>& estim
 
 SceneRecord SceneEvaluator::evaluate(const ReportedResult& result, const CostOf& cost_of) const {
   SceneRecord record = record_;
-  record.run =
-      RunRecord{result.status, result.stats.seconds.total, result.stats.rendered, result.suboptimality_bound};
+  record.run = RunRecord{result.status, result.stats.seconds.total, result.stats.rendered,
+                         result.stats.expanded, result.suboptimality_bound};
   const auto found_for = assigned(result);
   std::vector<std::optional<Pose>> estimates(found_for.size());
   record.surplus = static_cast<std::size_t>(std::count_if(result.objects.begin(), result.objects.end(),

@@ -30,6 +30,11 @@ void divide(Recalls& counts, std::size_t objects) {
   counts.ar_vsd /= all * n * n;
 }
 
+std::optional<double> mean(const std::vector<double>& values) {
+  if (values.empty()) return std::nullopt;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 std::optional<double> median(std::vector<double> values) {
   if (values.empty()) return std::nullopt;
   std::sort(values.begin(), values.end());
@@ -65,11 +70,12 @@ MethodSummary summarize(const MethodRecord& record) {
   summary.scenes = record.scenes.size();
   for (int i = 0; i < bins; ++i)
     summary.visibility.push_back({i / static_cast<double>(bins), (i + 1) / static_cast<double>(bins), {}});
-  std::vector<double> seconds, rendered, bounds;
+  std::vector<double> seconds, rendered, expanded, bounds;
   for (const SceneRecord& scene : record.scenes) {
     if (scene.run) {
       seconds.push_back(scene.run->seconds);
       rendered.push_back(static_cast<double>(scene.run->rendered));
+      expanded.push_back(static_cast<double>(scene.run->expanded));
       if (scene.run->suboptimality_bound) bounds.push_back(*scene.run->suboptimality_bound);
     } else {
       summary.without_result.push_back(scene.scene);
@@ -78,11 +84,10 @@ MethodSummary summarize(const MethodRecord& record) {
     for (const ObjectRecord& object : scene.objects) count_object(object, summary);
   }
   divide(summary.recalls, summary.right.objects);
-  if (!seconds.empty())
-    summary.mean_seconds =
-        std::accumulate(seconds.begin(), seconds.end(), 0.0) / static_cast<double>(seconds.size());
+  summary.mean_seconds = mean(seconds);
   summary.median_seconds = median(seconds);
   summary.median_rendered = median(rendered);
+  summary.mean_expanded = mean(expanded);
   summary.bounded = bounds.size();
   if (!bounds.empty()) summary.largest_bound = *std::max_element(bounds.begin(), bounds.end());
   summary.median_bound = median(bounds);

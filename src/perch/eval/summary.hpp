@@ -61,6 +61,7 @@ struct MethodSummary {
   std::vector<VisibilityBin> visibility;               ///< five of a width of 0.2, ascending
   std::optional<double> mean_seconds, median_seconds;  ///< over the scenes with a result
   std::optional<double> median_rendered;               ///< hypotheses, over the same
+  std::optional<double> mean_expanded;                 ///< states or nodes of the search, over the same
   std::size_t bounded = 0;                             ///< scenes with a proven suboptimality bound
   std::optional<double> median_bound, largest_bound;   ///< over these
 };
