@@ -5,8 +5,8 @@
 
 #include "perch/eval/summary.hpp"
 
-// Scripts for gnuplot that draw on its standard output, for run_gnuplot. All methods must have been held
-// against the same scenes.
+// Scripts for gnuplot that draw on its standard output, for run_gnuplot. There must be a method, and all must
+// have been held against the same scenes.
 namespace perch {
 
 enum class FigureFormat { png, svg };
