@@ -12,6 +12,7 @@
 
 #include "command.hpp"
 #include "perch/core/stopwatch.hpp"
+#include "perch/io/atomic_write.hpp"
 #include "perch/parallel/executor.hpp"
 #include "perch/sim/chess_pieces.hpp"
 #include "perch/sim/model_catalogue.hpp"
@@ -19,9 +20,12 @@
 #include "perch/sim/scene_maker.hpp"
 #include "perch/sim/scene_set.hpp"
 #include "perch/sim/sensor_fields.hpp"
+#include "simulate_pictures.hpp"
 
 namespace perch::app {
 namespace {
+
+constexpr std::uint64_t most_pictured = 6;
 
 /// As given; what isn't keeps the recipe's default.
 struct SimulateOptions {
@@ -30,7 +34,7 @@ struct SimulateOptions {
   std::optional<std::string> objects, repeats, models, visible, distance, elevation, azimuth, workspace, gap,
       image;
   std::vector<std::string> assignments;
-  bool table = false, models_only = false, quiet = false;
+  bool table = false, models_only = false, picture = false, quiet = false;
 };
 
 /// A number at the beginning of the text, which is shortened by it. Throws InvalidSetting where there is
@@ -205,6 +209,7 @@ void write_scenes(const SimulateOptions& options, const SceneMaker& maker, std::
   FirstError error;
   SceneTally tally;
   SceneCounter counter(options.quiet, count);
+  std::vector<SceneThumbnail> thumbnails(options.picture ? std::min(count, most_pictured) : 0);
   std::mutex tally_mutex;
   executor.for_each(
       count,
@@ -216,6 +221,8 @@ void write_scenes(const SimulateOptions& options, const SceneMaker& maker, std::
           folder.write_scene(index, made,
                              fmt::format("Scene {} of seed {}, made by perch simulate: {}, sensor {}.", index,
                                          set_seed, options.layout, options.sensor));
+          if (i < thumbnails.size())
+            thumbnails[i] = thumbnail(made, fmt::format("scene {}, {}", index, options.sensor));
           const std::lock_guard lock(tally_mutex);
           tally.add(made.simulated);
           counter(tally.scenes);
@@ -227,6 +234,7 @@ void write_scenes(const SimulateOptions& options, const SceneMaker& maker, std::
   if (error.index != UINT64_MAX)
     throw InputError(
         fmt::format("{}: scene {}: {}", shown(options.output), error.index.load(), error.message));
+  if (!thumbnails.empty()) write_atomically(folder.path() / "picture.png", draw_scenes(thumbnails));
   folder.keep();
   if (!options.quiet) tally.print(shown(options.output));
 }
@@ -240,6 +248,7 @@ int simulate_scenes(const SimulateOptions& options) {
   if (options.models_only) {
     SceneSetFolder folder(options.output);
     folder.write_models(maker.models());
+    if (options.picture) write_atomically(folder.path() / "picture.png", draw_models(maker.models()));
     folder.keep();
     if (!options.quiet) print_models(maker.models());
   } else {
@@ -288,6 +297,8 @@ void add_simulate(CLI::App& app, Run& run) {
   command->add_option("--set", o.assignments, sensor_help())->allow_extra_args(false);
   command->add_flag("--table", o.table, "leave the table in the depth image and write a mask of the objects");
   command->add_flag("--models-only", o.models_only, "write the meshes alone, and list them");
+  command->add_flag("--picture", o.picture,
+                    "write picture.png: the first scenes, or with --models-only the models");
   command->add_option("--threads", o.threads, "0: as many as the machine has [0]");
   command->add_flag("-q,--quiet", o.quiet, "no progress line and no summary");
   command->callback([options, &run] { run = [options] { return simulate_scenes(*options); }; });

@@ -73,6 +73,23 @@ TEST(OutputSet, RehearsalThrowsWhatWritingWouldAndLeavesNothing) {
   EXPECT_EQ(entries(dir.path()), 3U);
 }
 
+TEST(OutputSet, NewFoldersAppearWholeOrNotAtAll) {
+  const TemporaryDirectory dir;
+  OutputSet set;
+  set.add("one.txt", "1");
+  set.add("two.txt", "2");
+  set.create_folder(dir.path() / "a/b");
+  EXPECT_EQ(bytes_of(dir.path() / "a/b/two.txt"), "2");
+  EXPECT_EQ(entries(dir.path() / "a"), 1U);
+  dir.write("file", "x");
+  for (const char* place : {"a/b", "a", "file", "file/below"})
+    EXPECT_NE(input_error([&] { set.create_folder(dir.path() / place); }), "");
+  set.add(std::string(300, 'n'), "too long a name for any file system");
+  input_error([&] { set.create_folder(dir.path() / "c/d/e"); });
+  EXPECT_EQ(entries(dir.path()), 2U);
+  EXPECT_EQ(entries(dir.path() / "a"), 1U);
+}
+
 TEST(OutputSet, TakesPlainNamesOnly) {
   OutputSet set;
   for (const char* name : {"", "a/b", "/a", "..", "."})

@@ -101,8 +101,8 @@ Mesh king() {
                                   {4, 85},
                                   {0, 85.5}});
   constexpr double cell = 0.003;
-  const Mesh upright = moved(box({0.0045, 0.004, 0.011}, cell), shift(0, 0, 0.084));
-  const Mesh arms = moved(box({0.0115, 0.004, 0.004}, cell), shift(0, 0, 0.0875));
+  const Mesh upright = moved(box({0.005, 0.005, 0.011}, cell), shift(0, 0, 0.084));
+  const Mesh arms = moved(box({0.013, 0.005, 0.004}, cell), shift(0, 0, 0.0875));
   return merged({body, upright, arms});
 }
 

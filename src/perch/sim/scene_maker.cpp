@@ -225,7 +225,7 @@ MadeScene SceneMaker::make(std::uint64_t seed) const {
   throw InvalidSetting(
       fmt::format("no scene in {} tries: {} without room for all objects, {} not wholly in view, {} with an "
                   "object less visible "
-                  "than {}, {} with none hidden down to {}; ask for other numbers of objects or visible "
+                  "than {}, {} with no object hidden down to {}; ask for other numbers of objects or visible "
                   "fractions, a larger "
                   "workspace, or a camera farther away",
                   scene_tries, without_room, out_of_view, too_hidden, recipe_.visible.least, not_hidden,

@@ -32,6 +32,7 @@ SceneRecipe SceneRecipe::chess() {
   SceneRecipe recipe;
   recipe.layout = SceneLayoutKind::chess;
   recipe.min_objects = recipe.max_objects = 12;
+  recipe.distance = {0.65, 0.85};
   recipe.workspace_x = recipe.workspace_y = 8 * chess_square;
   return recipe;
 }

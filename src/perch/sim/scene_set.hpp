@@ -34,6 +34,7 @@ class SceneSetFolder {
   /// Scenes that write_scene may have written, to be removed unless they are kept.
   void remember(std::uint64_t first, std::uint64_t count);
   void keep();
+  const std::filesystem::path& path() const { return folder_; }
 
  private:
   std::filesystem::path folder_;
