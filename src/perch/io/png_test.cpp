@@ -33,10 +33,10 @@ TEST(Png, WritesWhatItReads) {
     color[i] = {static_cast<std::uint8_t>(random.below(256)), static_cast<std::uint8_t>(i), 7};
   EXPECT_EQ(read_color(dir.write("c.png", encode_png_color(color)), 5, 4), color);
 
-  Image<std::uint8_t> gray(7, 3);
-  for (std::size_t i = 0; i < gray.size(); ++i) gray[i] = static_cast<std::uint8_t>(random.below(256));
-  const Image<Rgb> read = read_color(dir.write("g.png", encode_png8_gray(gray)), 7, 3);
-  for (std::size_t i = 0; i < gray.size(); ++i) EXPECT_EQ(read[i], (Rgb{gray[i], gray[i], gray[i]}));
+  Image<std::uint8_t> levels(7, 3);
+  for (std::size_t i = 0; i < levels.size(); ++i) levels[i] = static_cast<std::uint8_t>(random.below(256));
+  const Image<Rgb> read = read_color(dir.write("g.png", encode_png8_gray(levels)), 7, 3);
+  for (std::size_t i = 0; i < levels.size(); ++i) EXPECT_EQ(read[i], (Rgb{levels[i], levels[i], levels[i]}));
 }
 
 TEST(Png, RefusesOtherKindsAsDepth) {
