@@ -106,8 +106,9 @@ int localize_scenes(const LocalizeOptions& options) {
   settings.check_together();
   check_built(settings.localization);
   if (options.priors && settings.localization != LocalizationMethod::perch)
-    throw InvalidSetting(fmt::format("--priors: {} has no use for them; leave them out, or use --method perch",
-                                     name(settings.localization)));
+    throw InvalidSetting(
+        fmt::format("--priors: {} has no use for them; leave them out, or use --method perch",
+                    name(settings.localization)));
   const auto executor = make_executor(settings.threads);
   const std::size_t n = options.scenes.size();
   const auto output_of = [&](std::size_t i, const Scene& scene) {

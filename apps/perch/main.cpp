@@ -26,7 +26,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", PERCH_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Exit status: 0 solved, or answered by a method without a bound; 1 no solution on this grid; 2 bad usage or input; 3 the time limit came "
+      "Exit status: 0 solved, or answered by a method without a bound; 1 no solution on this grid; 2 bad "
+      "usage or input; 3 the time limit came "
       "first.");
   Run run;
   add_localize(app, run);
