@@ -9,6 +9,9 @@
 #include "perch/core/stopwatch.hpp"
 #include "perch/localize/given_poses.hpp"
 #include "perch/localize/localize.hpp"
+#ifdef PERCH_HAS_OUR_CVFH
+#include "perch/baselines/our_cvfh.hpp"
+#endif
 #ifdef PERCH_HAS_PPF
 #include "perch/baselines/ppf.hpp"
 #endif
@@ -28,15 +31,27 @@ std::optional<Component> component_of(LocalizationMethod method) {
 #else
   constexpr bool has_ppf = false;
 #endif
+#ifdef PERCH_HAS_OUR_CVFH
+  constexpr bool has_our_cvfh = true;
+#else
+  constexpr bool has_our_cvfh = false;
+#endif
   if (method == LocalizationMethod::ppf)
     return Component{has_ppf, "PERCH_OPENCV", "libopencv-dev and libopencv-contrib-dev"};
-  if (method == LocalizationMethod::ourcvfh) return Component{false, "PERCH_PCL", "libpcl-dev"};
+  if (method == LocalizationMethod::ourcvfh) return Component{has_our_cvfh, "PERCH_PCL", "libpcl-dev"};
   return std::nullopt;
 }
 
 BaselineAnswer run_baseline(const Scene& scene, const Settings& settings, const Executor& executor,
                             const StopCondition& stop) {
   const CandidateSettings& common = settings.candidates;
+#ifdef PERCH_HAS_OUR_CVFH
+  if (settings.localization == LocalizationMethod::ourcvfh) {
+    OurCvfhSettings our_cvfh_settings;
+    our_cvfh_settings.refine = common.refine;
+    return our_cvfh(scene, our_cvfh_settings, executor, stop);
+  }
+#endif
 #ifdef PERCH_HAS_PPF
   if (settings.localization == LocalizationMethod::ppf) {
     PpfSettings ppf_settings;
@@ -46,7 +61,8 @@ BaselineAnswer run_baseline(const Scene& scene, const Settings& settings, const 
     return ppf(scene, ppf_settings, executor, stop);
   }
 #endif
-  return bfwor(scene, {common.grid, common.refine, common.collision, settings.bfwor_distance_limit}, executor, stop);
+  return bfwor(scene, {common.grid, common.refine, common.collision, settings.bfwor_distance_limit}, executor,
+               stop);
 }
 
 }  // namespace

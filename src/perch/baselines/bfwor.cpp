@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "perch/baselines/greedy_orders.hpp"
@@ -58,10 +59,9 @@ class SlidingModels {
         model_cloud(scene_.models[model].mesh(), static_cast<std::size_t>(settings_.samples));
     std::vector<std::optional<FittedPose>> fitted(static_cast<std::size_t>(grid.size()));
     constexpr std::size_t batch = 16;
-    stopped_ |= !for_each_batched(
-        executor_, fitted.size(), batch, stop_, [&](std::size_t i, std::size_t) {
-          fitted[i] = fit(model, cloud, grid.pose(static_cast<std::int64_t>(i)));
-        });
+    stopped_ |= !for_each_batched(executor_, fitted.size(), batch, stop_, [&](std::size_t i, std::size_t) {
+      fitted[i] = fit(model, cloud, grid.pose(static_cast<std::int64_t>(i)));
+    });
     std::vector<FittedPose> poses;
     for (const auto& pose : fitted)
       if (pose) poses.push_back(*pose);
@@ -75,10 +75,10 @@ class SlidingModels {
     const ObjectModel& object = scene_.models[model];
     FittedPose fitted{start};
     if (settings_.refine.method == RefineMethod::icp)
-      fitted.pose = scene_.admitted(model, align(placed(cloud, start, object.origin_z()), start,
-                                                 object.symmetry().is_continuous(), table_, reach_,
-                                                 settings_.refine)
-                                               .pose);
+      fitted.pose =
+          scene_.admitted(model, align(placed(cloud, start, object.origin_z()), start,
+                                       object.symmetry().is_continuous(), table_, reach_, settings_.refine)
+                                     .pose);
     const SurfaceSamples there = placed(cloud, fitted.pose, object.origin_z());
     const float most =
         static_cast<float>(settings_.distance_limit.value_or(std::numeric_limits<double>::infinity()));
@@ -99,16 +99,23 @@ class SlidingModels {
   bool stopped_ = false;
 };
 
+/// As a whole number, so that sums don't depend on the order.
+std::int64_t square_micrometres(double square_metres) {
+  constexpr double most = 1e15;  // a thousand times a thousand of these can be added
+  return std::llround(std::min(most, 1e12 * square_metres));
+}
+
 void check_size(const PreparedScene& scene, const GridSettings& settings) {
   double poses = 0.0;
   for (std::size_t model = 0; model < scene.models.size(); ++model)
     if (scene.copies[model] > 0)
       poses += PoseGrid(scene.workspaces[model], settings, scene.models[model].symmetry()).size();
   if (poses > static_cast<double>(settings.max_poses))
-    throw InputError(fmt::format(
-        "the grid has {:.3g} poses, more than memory allows ({}, grid.max_poses); use larger --resolution (now "
-        "{} m) or --yaw-resolution-deg, or a smaller workspace",
-        poses, settings.max_poses, settings.resolution));
+    throw InputError(
+        fmt::format("the grid has {:.3g} poses, more than memory allows ({}, grid.max_poses); use larger "
+                    "--resolution (now "
+                    "{} m) or --yaw-resolution-deg, or a smaller workspace",
+                    poses, settings.max_poses, settings.resolution));
 }
 
 }  // namespace
@@ -136,7 +143,7 @@ BaselineAnswer bfwor(const Scene& scene, const BfworSettings& settings, const Ex
   placing.objects = prepared.of_object;
   for (const auto& of_model : poses) {
     auto& misfits = placing.misfits.emplace_back();
-    for (const FittedPose& pose : of_model) misfits.push_back(pose.misfit);
+    for (const FittedPose& pose : of_model) misfits.push_back(square_micrometres(pose.misfit));
   }
   placing.collide = [&](std::size_t a, std::size_t i, std::size_t b, std::size_t j) {
     return prepared.collide(a, poses[a][i].pose, b, poses[b][j].pose, settings.collision);
@@ -144,8 +151,8 @@ BaselineAnswer bfwor(const Scene& scene, const BfworSettings& settings, const Ex
   const BestOrder best = best_order(placing, stop);
   BaselineAnswer answer;
   for (std::size_t i = 0; i < best.poses.size(); ++i)
-    answer.poses.push_back(
-        best.poses[i] ? std::optional(poses[prepared.of_object[i]][*best.poses[i]].pose) : std::nullopt);
+    answer.poses.push_back(best.poses[i] ? std::optional(poses[prepared.of_object[i]][*best.poses[i]].pose)
+                                         : std::nullopt);
   answer.hypotheses = sliding.hypotheses();
   answer.stopped = sliding.stopped() || !best.complete;
   return answer;

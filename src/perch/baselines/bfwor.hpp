@@ -16,8 +16,8 @@ struct BfworSettings {
   GridSettings grid;
   RefineSettings refine;
   CollisionSettings collision;
-  /// A model point farther from the observed cloud than this counts as if it were this far, metres. Not in the
-  /// paper: there every point counts with its distance, also those that can't be seen.
+  /// A model point farther from the observed cloud than this counts as if it were this far, metres. Not in
+  /// the paper: there every point counts with its distance, also those that can't be seen.
   std::optional<double> distance_limit;
   int samples = 500;  ///< points of the whole model
 

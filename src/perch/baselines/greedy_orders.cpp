@@ -19,7 +19,7 @@ struct Chosen {
 /// What an order is worth; less is better.
 struct Worth {
   std::int64_t left_out = std::numeric_limits<std::int64_t>::max();
-  double misfit = 0.0;
+  std::int64_t misfit = 0;
   friend auto operator<=>(const Worth&, const Worth&) = default;
 };
 
@@ -63,7 +63,7 @@ class OrderSearch {
         continue;
       }
       ends = false;
-      least.misfit += static_cast<double>(left_[model]) * placing_.misfits[model][first[model]];
+      least.misfit += left_[model] * placing_.misfits[model][first[model]];
     }
     if (ends) {
       if (least < worth_) {
@@ -72,11 +72,7 @@ class OrderSearch {
       }
       return;
     }
-    // Sums of the same numbers in another order differ by rounding: an order that might be better by that
-    // much is followed.
-    Worth hoped = least;
-    hoped.misfit -= 1e-9 * least.misfit;
-    if (!(hoped < worth_)) return;
+    if (!(least < worth_)) return;
     for (std::size_t model = 0; model < left_.size(); ++model) {
       if (left_[model] == 0 || first[model] == placing_.misfits[model].size()) continue;
       std::vector<Chosen> more = placed;
@@ -88,7 +84,7 @@ class OrderSearch {
     }
   }
 
-  double misfit(const Chosen& chosen) const { return placing_.misfits[chosen.model][chosen.pose]; }
+  std::int64_t misfit(const Chosen& chosen) const { return placing_.misfits[chosen.model][chosen.pose]; }
 
   bool blocked(std::size_t model, std::size_t pose, const std::vector<Chosen>& placed) {
     const Chosen candidate{static_cast<std::uint32_t>(model), static_cast<std::uint32_t>(pose)};

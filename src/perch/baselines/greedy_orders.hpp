@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -12,8 +13,8 @@ namespace perch {
 /// Objects that are placed one after the other: each at the pose of its model that fits best among those
 /// that collide with nothing placed before.
 struct GreedyPlacing {
-  std::vector<std::vector<double>> misfits;  ///< of each model, of each of its poses; ascending
-  std::vector<std::size_t> objects;          ///< the model of each object
+  std::vector<std::vector<std::int64_t>> misfits;  ///< of each model, of each of its poses; ascending, >= 0
+  std::vector<std::size_t> objects;                ///< the model of each object
   /// Whether pose i of model a and pose j of model b collide. A pose always collides with itself.
   std::function<bool(std::size_t a, std::size_t i, std::size_t b, std::size_t j)> collide;
 };

@@ -22,7 +22,9 @@ class CellGrid {
  public:
   explicit CellGrid(float side) : side_(side) {}
 
-  void insert(const Eigen::Vector3f& point, std::size_t number) { cells_[key(cell(point))].push_back(number); }
+  void insert(const Eigen::Vector3f& point, std::size_t number) {
+    cells_[key(cell(point))].push_back(number);
+  }
   /// True for one of the points in this cell or beside it.
   template <typename Test>
   bool any_near(const Eigen::Vector3f& point, const Test& test) const {

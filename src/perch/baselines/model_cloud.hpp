@@ -14,7 +14,8 @@ namespace perch {
 /// for a mesh without area.
 SurfaceSamples model_cloud(const Mesh& mesh, std::size_t points);
 
-/// The same points for an object at a pose, world frame. \param origin_z height of the model's origin, metres.
+/// The same points for an object at a pose, world frame. \param origin_z height of the model's origin,
+/// metres.
 SurfaceSamples placed(const SurfaceSamples& samples, const Pose& pose, double origin_z);
 
 /// Points of these such that no two with normals less than 30 degrees apart lie nearer than `spacing`

@@ -33,7 +33,8 @@ struct Circle {
 /// As wide as the narrower side of the model's bounds, in their middle.
 Circle inscribed_circle(const ObjectModel& model, const Pose& pose) {
   const Eigen::AlignedBox3d bounds = model.bounds().cast<double>();
-  return {(model.world_from_model(pose) * bounds.center()).head<2>(), 0.5 * bounds.sizes().head<2>().minCoeff()};
+  return {(model.world_from_model(pose) * bounds.center()).head<2>(),
+          0.5 * bounds.sizes().head<2>().minCoeff()};
 }
 
 }  // namespace
@@ -47,8 +48,9 @@ Pose PreparedScene::admitted(std::size_t model, Pose pose) const {
 bool PreparedScene::collide(std::size_t a, const Pose& pose_a, std::size_t b, const Pose& pose_b,
                             const CollisionSettings& settings) const {
   const ObjectModel &first = models[a], &second = models[b];
-  const double common_height = std::min(first.origin_z() + first.height(), second.origin_z() + second.height()) -
-                               std::max(first.origin_z(), second.origin_z());
+  const double common_height =
+      std::min(first.origin_z() + first.height(), second.origin_z() + second.height()) -
+      std::max(first.origin_z(), second.origin_z());
   const Circle one = inscribed_circle(first, pose_a), other = inscribed_circle(second, pose_b);
   const double entered = one.radius + other.radius - (one.middle - other.middle).norm();
   return std::min(common_height, entered) > settings.penetration ||

@@ -21,8 +21,9 @@ struct PreparedScene {
 
   /// The pose within the model's workspace, its yaw canonical for the model's symmetry.
   Pose admitted(std::size_t model, Pose pose) const;
-  /// As collides(), and also where the circles inscribed in two footprints enter each other, at a common height,
-  /// by more than the penetration: the rule of PERCH's own code, which needs no solids. Open meshes have none.
+  /// As collides(), and also where the circles inscribed in two footprints enter each other, at a common
+  /// height, by more than the penetration: the rule of PERCH's own code, which needs no solids. Open meshes
+  /// have none.
   bool collide(std::size_t a, const Pose& pose_a, std::size_t b, const Pose& pose_b,
                const CollisionSettings& settings) const;
 };

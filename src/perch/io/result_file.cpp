@@ -25,7 +25,7 @@ class ResultReader {
     if (version.integer() != 1)
       version.fail(fmt::format("{} is not a version that can be read; give version 1", version.value()));
     ReportedResult result;
-    if (root.contains("method")) result.method = method(root["method"]);
+    result.method = method(root["method"]);
     result.status = status(root["status"]);
     result.cost = count_or_null(root["cost"]);
     result.cost_observed = count_or_null(root["cost_observed"]);
@@ -49,8 +49,8 @@ class ResultReader {
  private:
   static std::string method(const JsonEntry& entry) {
     std::vector<std::string> names;
-    for (const auto known : {LocalizationMethod::perch, LocalizationMethod::bfwor, LocalizationMethod::ourcvfh,
-                             LocalizationMethod::ppf})
+    for (const auto known : {LocalizationMethod::perch, LocalizationMethod::bfwor,
+                             LocalizationMethod::ourcvfh, LocalizationMethod::ppf})
       names.push_back(name(known));
     const std::string word = entry.text();
     if (std::find(names.begin(), names.end(), word) == names.end())

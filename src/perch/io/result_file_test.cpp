@@ -34,6 +34,19 @@ ReportedResult read(const std::string& text) {
   return read_result(directory.write("result.json", text), scene());
 }
 
+TEST(ResultFile, ReadsAResultWithoutABound) {
+  Result r = a_result();
+  r.method = "ppf";
+  r.status = Status::unproven;
+  const ReportedResult read_back = read(to_json(r));
+  EXPECT_EQ(read_back.method, "ppf");
+  EXPECT_EQ(read_back.status, Status::unproven);
+  EXPECT_FALSE(read_back.has_bound());
+  EXPECT_EQ(read_back.guarantee.delta, 0.004);
+  EXPECT_EQ(read_back.guarantee.missing_depth, "ignore");
+  EXPECT_EQ(read_back.cost, 812);
+}
+
 TEST(ResultFile, ReadsWhatIsWritten) {
   const Result r = a_result();
   const ReportedResult read_back = read(to_json(r));

@@ -110,20 +110,20 @@ std::string to_json(const Result& result) {
     return result.cost ? Json((*result.cost).*member) : Json(nullptr);
   };
   Json json{{"version", 1},
-                   {"method", result.method},
-                   {"status", name(result.status)},
-                   {"reason", result.reason},
-                   {"cost", part(&CostRecord::cost)},
-                   {"cost_observed", part(&CostRecord::cost_observed)},
-                   {"cost_rendered", part(&CostRecord::cost_rendered)},
-                   {"observed_points", result.observed_points},
-                   {"search_cost", or_null(result.search_cost)},
-                   {"lower_bound", result.lower_bound},
-                   {"suboptimality_bound", or_null(result.suboptimality_bound())},
-                   {"guarantee", result.has_bound() ? to_value(result.guarantee) : Json(nullptr)},
-                   {"search_objects", list(result.search_objects)},
-                   {"objects", list(result.objects)},
-                   {"stats", to_value(result.stats)}};
+            {"method", result.method},
+            {"status", name(result.status)},
+            {"reason", result.reason},
+            {"cost", part(&CostRecord::cost)},
+            {"cost_observed", part(&CostRecord::cost_observed)},
+            {"cost_rendered", part(&CostRecord::cost_rendered)},
+            {"observed_points", result.observed_points},
+            {"search_cost", or_null(result.search_cost)},
+            {"lower_bound", result.lower_bound},
+            {"suboptimality_bound", or_null(result.suboptimality_bound())},
+            {"guarantee", result.has_bound() ? to_value(result.guarantee) : Json(nullptr)},
+            {"search_objects", list(result.search_objects)},
+            {"objects", list(result.objects)},
+            {"stats", to_value(result.stats)}};
   if (!result.has_bound()) json["counted_with"] = counted_with(result.guarantee);
   return dump(json);
 }

@@ -23,7 +23,7 @@ TEST(ResultJson, ReadsBackToTheBit) {
   const std::string text = to_json(r);
   EXPECT_TRUE(text.ends_with("}\n"));
   const Json j = Json::parse(text);
-  EXPECT_EQ(keys(j), (Keys{"version", "status", "reason", "cost", "cost_observed", "cost_rendered",
+  EXPECT_EQ(keys(j), (Keys{"version", "method", "status", "reason", "cost", "cost_observed", "cost_rendered",
                            "observed_points", "search_cost", "lower_bound", "suboptimality_bound",
                            "guarantee", "search_objects", "objects", "stats"}));
   EXPECT_EQ(j["version"], 1);
@@ -83,6 +83,18 @@ TEST(ResultJson, WithoutASceneCostsAreNull) {
   EXPECT_EQ(j["search_objects"], Json::array());
   r.status = Status::time_limit;
   EXPECT_EQ(Json::parse(to_json(r))["status"], "time_limit");
+}
+
+TEST(ResultJson, WithoutABoundThereIsNoGuarantee) {
+  Result r = a_result();
+  EXPECT_EQ(Json::parse(to_json(r))["method"], "perch");
+  r.method = "bfwor";
+  r.status = Status::unproven;
+  const Json j = Json::parse(to_json(r));
+  EXPECT_EQ(j["method"], "bfwor");
+  EXPECT_EQ(j["status"], "unproven");
+  EXPECT_TRUE(j["guarantee"].is_null());
+  EXPECT_EQ(j["counted_with"], (Json{{"delta", 0.004}, {"missing_depth", "ignore"}}));
 }
 
 TEST(ResultJson, WhatWasNotJudgedIsNull) {

@@ -144,10 +144,11 @@ std::vector<SettingsField> make_fields() {
       field("search.anytime", "go on after the first solution: true or false", PERCH_FIELD(anytime)),
       field("search.exhaustive", "value every scene instead of searching: true or false",
             PERCH_FIELD(exhaustive)),
-      optional_field("bfwor.distance_limit",
-                     "what a model point's distance counts at most in ICP's fitness, metres; auto: no limit, as in "
-                     "the paper",
-                     PERCH_FIELD(bfwor_distance_limit)),
+      optional_field(
+          "bfwor.distance_limit",
+          "what a model point's distance counts at most in ICP's fitness, metres; auto: no limit, as in "
+          "the paper",
+          PERCH_FIELD(bfwor_distance_limit)),
       field("threads", "0: as many as the machine has", PERCH_FIELD(threads)),
       field("grid.resolution", "step in x and y, metres", PERCH_FIELD(candidates.grid.resolution)),
       degrees_field("grid.yaw_resolution_deg", "step in yaw, degrees",
@@ -227,8 +228,9 @@ void check_baseline(const Settings& settings) {
   for (const SettingsField& field : settings_fields())
     if (field.key.starts_with("search.") && field.key != "search.time_limit" &&
         field.get(settings) != field.get(defaults))
-      throw InvalidSetting(fmt::format("{} is {}, which {} has no use for; leave it out, or use --method perch",
-                                       field.key, field.get(settings), name(settings.localization)));
+      throw InvalidSetting(
+          fmt::format("{} is {}, which {} has no use for; leave it out, or use --method perch", field.key,
+                      field.get(settings), name(settings.localization)));
 }
 
 }  // namespace

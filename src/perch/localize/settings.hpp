@@ -15,8 +15,8 @@ namespace perch {
 
 /// What finds the objects.
 enum class LocalizationMethod {
-  perch,    ///< the search, with its bound
-  bfwor,    ///< these have none: see docs/baselines.md
+  perch,  ///< the search, with its bound
+  bfwor,  ///< these have none: see docs/baselines.md
   ourcvfh,
   ppf
 };

@@ -91,9 +91,11 @@ class CertificateCheck {
 
   /// A method without a bound: nothing is stated that only a search can know.
   void check_unproven() {
-    add("lower_bound", fmt::format("{}, no bound to check", result_.lower_bound), "0", result_.lower_bound == 0);
+    add("lower_bound", fmt::format("{}, no bound to check", result_.lower_bound), "0",
+        result_.lower_bound == 0);
     add("search_cost", text(result_.search_cost), "null", !result_.search_cost);
-    add("search_objects", fmt::format("{}", result_.search_objects.size()), "0", result_.search_objects.empty());
+    add("search_objects", fmt::format("{}", result_.search_objects.size()), "0",
+        result_.search_objects.empty());
     add("status", std::string(name(result_.status)), "unproven or time_limit",
         result_.status == Status::unproven || result_.status == Status::time_limit);
   }
