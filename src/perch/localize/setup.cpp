@@ -5,20 +5,13 @@
 
 #include "perch/core/error.hpp"
 #include "perch/localize/localize.hpp"
+#include "perch/observation/extent.hpp"
 
 namespace perch {
 
 double table_height(const Scene& scene) {
   if (scene.table_height) return *scene.table_height;
-  const Observation observation(scene.camera, scene.depth, scene.mask);
-  std::vector<double> heights;
-  heights.reserve(observation.size());
-  for (const Eigen::Vector3f& p : observation.points())
-    heights.push_back((scene.camera.world_from_camera * p.cast<double>()).z());
-  // The lowest points lie where objects meet the plane; a few in a hundred are noise below it.
-  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 200);
-  std::nth_element(heights.begin(), low, heights.end());
-  return *low;
+  return lowest_height(Observation(scene.camera, scene.depth, scene.mask));
 }
 
 std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Settings& settings,
