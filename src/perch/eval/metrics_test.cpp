@@ -8,7 +8,6 @@
 #include <numeric>
 
 #include "perch/core/random.hpp"
-#include "perch/eval/assignment.hpp"
 #include "perch/eval/pose_errors.hpp"
 #include "perch/eval/surface_discrepancy.hpp"
 #include "perch/eval/test_shapes.hpp"
@@ -228,56 +227,6 @@ TEST(SurfaceDiscrepancy, ComparesDistancesFromTheCentre) {
 TEST(VisibleFractions, CountTheNearestOfEachPixel) {
   EXPECT_THAT(visible_fractions({strip(0, {1, 1, 1, 1}), strip(2, {0.9F, 1, 0, 1}), strip(6, {0, 0})}),
               ElementsAre(0.75, 2.0 / 3.0, 0.0));
-}
-
-// --- Assignment
-// -----------------------------------------------------------------------------------------------
-
-double cost_of(const Eigen::MatrixXd& costs, const std::vector<std::optional<std::size_t>>& column_of) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < column_of.size(); ++i)
-    if (column_of[i]) sum += costs(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(*column_of[i]));
-  return sum;
-}
-
-/// The least sum over all ways to give each of the fewer a partner of its own.
-double least_of_all(const Eigen::MatrixXd& given) {
-  const Eigen::MatrixXd costs = given.rows() <= given.cols() ? given : Eigen::MatrixXd(given.transpose());
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(costs.cols()));
-  std::iota(order.begin(), order.end(), 0);
-  double least = std::numeric_limits<double>::infinity();
-  do {
-    double sum = 0.0;
-    for (Eigen::Index i = 0; i < costs.rows(); ++i) sum += costs(i, order[static_cast<std::size_t>(i)]);
-    least = std::min(least, sum);
-  } while (std::next_permutation(order.begin(), order.end()));
-  return least;
-}
-
-TEST(CheapestAssignment, IsTheCheapestOfAllPermutations) {
-  for (std::uint64_t seed = 1; seed <= 120; ++seed) {
-    SCOPED_TRACE(seed);
-    Random random(seed);
-    Eigen::MatrixXd costs(1 + random.below(6), 1 + random.below(6));
-    // Whole numbers now and then, so that there are ties; below 0 too.
-    const bool whole = random.below(2) == 0;
-    for (Eigen::Index i = 0; i < costs.size(); ++i)
-      costs(i) = whole ? static_cast<double>(random.below(4)) - 1.0 : random.uniform(-1.0, 1.0);
-    const auto column_of = cheapest_assignment(costs);
-    ASSERT_EQ(column_of.size(), static_cast<std::size_t>(costs.rows()));
-    std::vector<std::size_t> used;
-    for (const auto& column : column_of)
-      if (column) used.push_back(*column);
-    EXPECT_EQ(used.size(), static_cast<std::size_t>(std::min(costs.rows(), costs.cols())));
-    std::sort(used.begin(), used.end());
-    EXPECT_EQ(std::adjacent_find(used.begin(), used.end()), used.end());
-    EXPECT_NEAR(cost_of(costs, column_of), least_of_all(costs), 1e-12);
-  }
-}
-
-TEST(CheapestAssignment, OfNothingIsNothing) {
-  EXPECT_TRUE(cheapest_assignment(Eigen::MatrixXd(0, 3)).empty());
-  EXPECT_THAT(cheapest_assignment(Eigen::MatrixXd(2, 0)), Each(std::nullopt));
 }
 
 }  // namespace

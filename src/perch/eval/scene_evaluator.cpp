@@ -5,7 +5,7 @@
 #include <map>
 #include <numbers>
 
-#include "perch/eval/assignment.hpp"
+#include "perch/core/assignment.hpp"
 #include "perch/eval/pose_errors.hpp"
 #include "perch/eval/visible_fractions.hpp"
 #include "perch/render/rasterizer.hpp"
@@ -66,7 +66,7 @@ std::vector<std::optional<std::size_t>> SceneEvaluator::assigned(const ReportedR
             std::min(farthest_pair, translation_error(truth.pose, pose)) +
             half_turn * truth.symmetry.yaw_difference(truth.pose.yaw, pose.yaw) / std::numbers::pi;
       }
-    const auto column_of = cheapest_assignment(costs);
+    const auto column_of = min_cost_assignment(costs);
     for (std::size_t t = 0; t < truths.size(); ++t)
       if (column_of[t]) found_for[truths[t]] = found[*column_of[t]];
   }
