@@ -22,7 +22,7 @@ struct OurCvfhSettings {
   double cluster_tolerance = 0.01;  ///< points farther apart than this belong to different clusters, metres
   int least_cluster = 30;           ///< points of a cluster after thinning, at least
   /// Descriptors of a model nearest to the cluster's whose poses are refined; the best is kept.
-  int neighbours = 10;
+  int neighbours = 30;
   double largest_tilt = std::numbers::pi / 6.0;  ///< poses whose z axis leans more than this don't count
   RefineSettings refine;                         ///< `reach` 0.03 m where not set
   std::filesystem::path cache = default_training_cache();  ///< for what was learned; empty: none
