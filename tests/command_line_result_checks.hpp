@@ -15,9 +15,9 @@ inline std::vector<std::string> keys(const Json& object) {
 
 inline void check_keys(const Json& result) {
   EXPECT_THAT(keys(result), ::testing::UnorderedElementsAre(
-                                "version", "method", "status", "reason", "cost", "cost_observed", "cost_rendered",
-                                "observed_points", "search_cost", "lower_bound", "suboptimality_bound",
-                                "guarantee", "search_objects", "objects", "stats"));
+                                "version", "method", "status", "reason", "cost", "cost_observed",
+                                "cost_rendered", "observed_points", "search_cost", "lower_bound",
+                                "suboptimality_bound", "guarantee", "search_objects", "objects", "stats"));
   EXPECT_EQ(result.at("version"), 1);
   EXPECT_TRUE(result.at("observed_points").is_number_integer());
   EXPECT_TRUE(result.at("lower_bound").is_number_integer());

@@ -5,25 +5,20 @@
 #include <utility>
 
 namespace perch {
-namespace {
-
-/// As nanoflann wants to see it.
-struct Cloud {
-  std::vector<Eigen::Vector3f> points;
-
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return points[i][static_cast<Eigen::Index>(axis)];
-  }
-  template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
-}  // namespace
-
 struct NearestPoint::Tree {
+  /// As nanoflann wants to see it.
+  struct Cloud {
+    std::vector<Eigen::Vector3f> points;
+
+    std::size_t kdtree_get_point_count() const { return points.size(); }
+    float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+      return points[i][static_cast<Eigen::Index>(axis)];
+    }
+    template <typename Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
   using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3>;
 
   explicit Tree(std::vector<Eigen::Vector3f> points) : cloud{std::move(points)}, index(3, cloud) {}
