@@ -5,7 +5,6 @@
 #include <utility>
 
 namespace perch {
-
 struct NearestPoint::Tree {
   /// As nanoflann wants to see it.
   struct Cloud {

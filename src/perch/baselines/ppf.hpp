@@ -14,7 +14,7 @@ namespace perch {
 
 struct PpfSettings {
   double sampling_step = 0.05;  ///< of model and scene, and of pair distances; in diameters of the model
-  int reference_step = 5;  ///< every so many of the thinned scene's points votes; pairs are made with all
+  int reference_step = 2;  ///< every so many of the thinned scene's points votes; pairs are made with all
   int angles = 30;         ///< bins of a full turn, of normals and of the rotation about them
   double normal_radius = 0.01;  ///< of the patch that an observed normal is fitted to, metres
   double greatest_tilt = 30.0 * std::numbers::pi / 180.0;  ///< of a proposed pose against upright, radians
