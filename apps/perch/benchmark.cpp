@@ -77,6 +77,7 @@ void run_one(const BenchmarkRun& run, const EvaluatedScene& evaluated, Settings 
   settings.localization = run.method;
   const Scene scene = read_scene(evaluated.file);
   const Result result = blaming(evaluated.file.string(), [&] {
+    learn_models(scene, settings, executor);
     return run_method(scene, settings, executor, StopCondition::after(settings.time_limit), {});
   });
   write_outputs(scene, result, settings, executor, run.folder);

@@ -8,10 +8,11 @@
 namespace perch::app {
 namespace {
 
-constexpr double gap = 2.0;  // pixels between labels
+constexpr double between = 2.0;  // pixels between labels
 
 bool meet(const Box& a, const Box& b) {
-  return a.x < b.right() + gap && b.x < a.right() + gap && a.y < b.bottom() + gap && b.y < a.bottom() + gap;
+  return a.x < b.right() + between && b.x < a.right() + between && a.y < b.bottom() + between &&
+         b.y < a.bottom() + between;
 }
 
 /// The first free place on rings of growing radius around where the label wants to be.

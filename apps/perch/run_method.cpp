@@ -42,15 +42,20 @@ std::optional<Component> component_of(LocalizationMethod method) {
   return std::nullopt;
 }
 
+#ifdef PERCH_HAS_OUR_CVFH
+OurCvfhSettings our_cvfh_settings(const Settings& settings) {
+  OurCvfhSettings own;
+  own.refine = settings.candidates.refine;
+  return own;
+}
+#endif
+
 BaselineAnswer run_baseline(const Scene& scene, const Settings& settings, const Executor& executor,
                             const StopCondition& stop) {
   const CandidateSettings& common = settings.candidates;
 #ifdef PERCH_HAS_OUR_CVFH
-  if (settings.localization == LocalizationMethod::ourcvfh) {
-    OurCvfhSettings our_cvfh_settings;
-    our_cvfh_settings.refine = common.refine;
-    return our_cvfh(scene, our_cvfh_settings, executor, stop);
-  }
+  if (settings.localization == LocalizationMethod::ourcvfh)
+    return our_cvfh(scene, our_cvfh_settings(settings), executor, stop);
 #endif
 #ifdef PERCH_HAS_PPF
   if (settings.localization == LocalizationMethod::ppf) {
@@ -73,6 +78,14 @@ void check_built(LocalizationMethod method) {
     throw InvalidSetting(fmt::format(
         "--method: {} is not built in; install {} (script/bootstrap --baselines) and configure with -D{}=ON",
         name(method), component->packages, component->option));
+}
+
+void learn_models([[maybe_unused]] const Scene& scene, [[maybe_unused]] const Settings& settings,
+                  [[maybe_unused]] const Executor& executor) {
+#ifdef PERCH_HAS_OUR_CVFH
+  if (settings.localization == LocalizationMethod::ourcvfh)
+    train_our_cvfh(scene, our_cvfh_settings(settings), executor, StopCondition());
+#endif
 }
 
 Result run_method(const Scene& scene, const Settings& settings, const Executor& executor,

@@ -25,7 +25,8 @@ class ResultReader {
     if (version.integer() != 1)
       version.fail(fmt::format("{} is not a version that can be read; give version 1", version.value()));
     ReportedResult result;
-    result.method = method(root["method"]);
+    // Results without this key are perch's own.
+    if (root.contains("method")) result.method = method(root["method"]);
     result.status = status(root["status"]);
     result.cost = count_or_null(root["cost"]);
     result.cost_observed = count_or_null(root["cost_observed"]);

@@ -27,7 +27,7 @@ struct ReportedObject {
 
 /// What a result.json states, right or wrong: nothing is derived and nothing put straight.
 struct ReportedResult {
-  std::string method = "perch";  ///< as `--method` names it
+  std::string method = "perch";  ///< as `--method` names it; so where the file has no such key
   Status status = Status::infeasible;
   std::optional<std::int64_t> cost, cost_observed, cost_rendered;
   std::int64_t observed_points = 0;

@@ -47,6 +47,14 @@ TEST(ResultFile, ReadsAResultWithoutABound) {
   EXPECT_EQ(read_back.cost, 812);
 }
 
+TEST(ResultFile, WithoutAMethodItIsOneOfPerch) {
+  Json json = Json::parse(to_json(a_result()));
+  json.erase("method");
+  const ReportedResult read_back = read(json.dump());
+  EXPECT_EQ(read_back.method, "perch");
+  EXPECT_EQ(read_back.guarantee.w, 1.5);
+}
+
 TEST(ResultFile, ReadsWhatIsWritten) {
   const Result r = a_result();
   const ReportedResult read_back = read(to_json(r));
@@ -189,7 +197,8 @@ TEST(ResultFile, EveryKeyMustBeThere) {
   Json json = Json::parse(to_json(a_result()));
   int keys = 0;
   for_each_key(json, [&](Json& owner, const std::string& key) {
-    for (const char* may_lack : {"reason", "confidence", "runner_up", "candidates", "polish", "work"})
+    for (const char* may_lack :
+         {"method", "reason", "confidence", "runner_up", "candidates", "polish", "work"})
       if (key == may_lack && !owner.contains("w")) return;  // words, estimates, times of stages, counters
     ++keys;
     const Json kept = owner;
