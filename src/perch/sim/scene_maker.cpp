@@ -177,18 +177,9 @@ MadeScene SceneMaker::sensed(const SceneLayout& layout, const RenderedLayout& re
     if (!recipe_.table && !of_object) read.depth[i] = 0.0F;
   }
   made.simulated.visible_fractions = rendered.visible_fractions;
-  Scene& scene = made.simulated.scene;
-  scene.camera = layout.camera;
-  scene.depth = std::move(read.depth);
-  scene.depth_scale = 0.0001;
-  if (recipe_.table) scene.mask = std::move(mask);
-  scene.table_height = 0.0;
-  scene.workspace = layout.workspace;
-  scene.models = layout.models;
-  for (const auto& [model, pose] : layout.objects) {
-    scene.objects.push_back(model);
-    scene.truth.push_back({model, pose, layout.models[model].symmetry});
-  }
+  made.simulated.scene = unobserved_scene(layout);
+  made.simulated.scene.depth = std::move(read.depth);
+  if (recipe_.table) made.simulated.scene.mask = std::move(mask);
   return made;
 }
 

@@ -48,14 +48,10 @@ bool clear_of_border(const Window& window, const Intrinsics& intrinsics) {
          window.v1 < intrinsics.height;
 }
 
-SimulatedScene simulate(const SceneLayout& layout, const DepthSensorSettings& sensor, std::uint64_t seed) {
-  RenderedLayout rendered = render_layout(layout);
-  SimulatedScene simulated;
-  simulated.visible_fractions = std::move(rendered.visible_fractions);
-  Scene& scene = simulated.scene;
+Scene unobserved_scene(const SceneLayout& layout) {
+  Scene scene;
   scene.name = layout.name;
   scene.camera = layout.camera;
-  scene.depth = sense_depth(rendered.depth, layout.camera.intrinsics, sensor, seed);
   scene.depth_scale = 0.0001;
   scene.table_height = 0.0;
   scene.workspace = layout.workspace;
@@ -64,6 +60,15 @@ SimulatedScene simulate(const SceneLayout& layout, const DepthSensorSettings& se
     scene.objects.push_back(model);
     scene.truth.push_back({model, pose, layout.models[model].symmetry});
   }
+  return scene;
+}
+
+SimulatedScene simulate(const SceneLayout& layout, const DepthSensorSettings& sensor, std::uint64_t seed) {
+  RenderedLayout rendered = render_layout(layout);
+  SimulatedScene simulated;
+  simulated.visible_fractions = std::move(rendered.visible_fractions);
+  simulated.scene = unobserved_scene(layout);
+  simulated.scene.depth = sense_depth(rendered.depth, layout.camera.intrinsics, sensor, seed);
   return simulated;
 }
 

@@ -41,6 +41,9 @@ RenderedLayout render_layout(const SceneLayout& layout);
 /// True for the window of something that is in view and touches no border of the image.
 bool clear_of_border(const Window& window, const Intrinsics& intrinsics);
 
+/// The layout with its truth, and no depth image yet.
+Scene unobserved_scene(const SceneLayout& layout);
+
 /// The layout as the sensor sees it, background removed, with all of its truth.
 SimulatedScene simulate(const SceneLayout& layout, const DepthSensorSettings& sensor, std::uint64_t seed);
 
