@@ -66,10 +66,7 @@ std::vector<LocalizationMethod> methods_of(const BenchmarkOptions& options) {
 
 /// Broken scenes, and those without truth, are refused before hours have gone into the others.
 void check_scenes(const std::vector<EvaluatedScene>& scenes) {
-  for (const EvaluatedScene& scene : scenes)
-    if (read_scene(scene.file).truth.empty())
-      throw InputError(fmt::format("{}: truth: is missing; give the true poses, or leave out this scene",
-                                   shown(scene.file)));
+  for (const EvaluatedScene& scene : scenes) read_scene_with_truth(scene.file);
 }
 
 void run_one(const BenchmarkRun& run, const EvaluatedScene& evaluated, Settings settings,

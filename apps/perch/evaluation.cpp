@@ -32,10 +32,7 @@ CostOf cost_of(const Scene& scene, const std::string& result_file, const Reporte
 void evaluate_scene(const EvaluatedScene& evaluated, const std::vector<ResultFolder>& folders,
                     const SettingsOptions& options, const Executor& executor,
                     std::vector<MethodRecord>& methods) {
-  const Scene scene = read_scene(evaluated.file);
-  if (scene.truth.empty())
-    throw InputError(fmt::format("{}: truth: is missing; give the true poses, or leave out this scene",
-                                 shown(evaluated.file)));
+  const Scene scene = read_scene_with_truth(evaluated.file);
   auto visible = read_visible_fractions(evaluated.file, scene);
   const double table = blaming(evaluated.file.string(), [&] { return table_height(scene); });
   const SceneEvaluator evaluator(scene, evaluated.name, table, std::move(visible));
@@ -53,6 +50,14 @@ void evaluate_scene(const EvaluatedScene& evaluated, const std::vector<ResultFol
 }
 
 }  // namespace
+
+Scene read_scene_with_truth(const std::filesystem::path& file) {
+  Scene scene = read_scene(file);
+  if (scene.truth.empty())
+    throw InputError(
+        fmt::format("{}: truth: is missing; give the true poses, or leave out this scene", shown(file)));
+  return scene;
+}
 
 std::vector<MethodRecord> evaluate_results(const std::vector<EvaluatedScene>& scenes,
                                            const std::vector<ResultFolder>& folders,

@@ -1,14 +1,19 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <vector>
 
 #include "command.hpp"
 #include "evaluated_scenes.hpp"
 #include "perch/eval/record.hpp"
+#include "perch/localize/scene.hpp"
 #include "perch/parallel/executor.hpp"
 
 namespace perch::app {
+
+/// A scene that results can be held against. Throws InputError as read_scene, and where it has no truth.
+Scene read_scene_with_truth(const std::filesystem::path& file);
 
 /// Holds the results in each folder against the truth of each scene. \param settings what J is counted with
 /// where the command line says so; else it is as the result states. \param on_scene called before each scene
