@@ -15,8 +15,8 @@
 #include "perch/eval/report.hpp"
 #include "perch/io/atomic_write.hpp"
 #include "perch/io/read_file.hpp"
-#include "perch/io/scene_file.hpp"
 #include "run_method.hpp"
+#include "scene_input.hpp"
 
 namespace perch::app {
 namespace {
@@ -65,14 +65,15 @@ std::vector<LocalizationMethod> methods_of(const BenchmarkOptions& options) {
 }
 
 /// Broken scenes, and those without truth, are refused before hours have gone into the others.
-void check_scenes(const std::vector<EvaluatedScene>& scenes) {
-  for (const EvaluatedScene& scene : scenes) read_scene_with_truth(scene.file);
+void check_scenes(const std::vector<EvaluatedScene>& scenes, const Settings& settings,
+                  const Executor& executor) {
+  for (const EvaluatedScene& scene : scenes) read_scene_with_truth(scene.file, settings, executor);
 }
 
 void run_one(const BenchmarkRun& run, const EvaluatedScene& evaluated, Settings settings,
              const Executor& executor) {
   settings.localization = run.method;
-  const Scene scene = read_scene(evaluated.file);
+  const Scene scene = read_prepared_scene(evaluated.file, settings, executor);
   const Result result = blaming(evaluated.file.string(), [&] {
     learn_models(scene, settings, executor);
     return run_method(scene, settings, executor, StopCondition::after(settings.time_limit), {});
@@ -154,12 +155,12 @@ int benchmark(const BenchmarkOptions& options) {
         fmt::format("method is {}; name the methods with --methods", name(settings.localization)));
   const std::vector<LocalizationMethod> methods = methods_of(options);
   const std::vector<EvaluatedScene> scenes = find_scenes(options.scenes);
-  check_scenes(scenes);
+  const auto executor = make_executor(settings.threads);
+  check_scenes(scenes, settings, *executor);
   const fs::path report = options.report;
   rehearse_evaluation(report);
   keep_settings(settings, report);
 
-  const auto executor = make_executor(settings.threads);
   run_all(benchmark_runs(scenes, methods, report), scenes, settings, *executor, options.quiet);
   std::vector<ResultFolder> folders;
   for (const LocalizationMethod method : methods) folders.push_back({name(method), report / name(method)});

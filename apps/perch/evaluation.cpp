@@ -4,8 +4,8 @@
 
 #include "perch/eval/scene_evaluator.hpp"
 #include "perch/eval/visible_fractions.hpp"
-#include "perch/io/scene_file.hpp"
 #include "perch/localize/localize.hpp"
+#include "scene_input.hpp"
 
 namespace perch::app {
 namespace {
@@ -32,7 +32,7 @@ CostOf cost_of(const Scene& scene, const std::string& result_file, const Reporte
 void evaluate_scene(const EvaluatedScene& evaluated, const std::vector<ResultFolder>& folders,
                     const SettingsOptions& options, const Executor& executor,
                     std::vector<MethodRecord>& methods) {
-  const Scene scene = read_scene_with_truth(evaluated.file);
+  const Scene scene = read_scene_with_truth(evaluated.file, options.read(), executor);
   auto visible = read_visible_fractions(evaluated.file, scene);
   const double table = blaming(evaluated.file.string(), [&] { return table_height(scene); });
   const SceneEvaluator evaluator(scene, evaluated.name, table, std::move(visible));
@@ -51,8 +51,9 @@ void evaluate_scene(const EvaluatedScene& evaluated, const std::vector<ResultFol
 
 }  // namespace
 
-Scene read_scene_with_truth(const std::filesystem::path& file) {
-  Scene scene = read_scene(file);
+Scene read_scene_with_truth(const std::filesystem::path& file, const Settings& settings,
+                            const Executor& executor) {
+  Scene scene = read_prepared_scene(file, settings, executor);
   if (scene.truth.empty())
     throw InputError(
         fmt::format("{}: truth: is missing; give the true poses, or leave out this scene", shown(file)));

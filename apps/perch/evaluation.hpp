@@ -12,8 +12,10 @@
 
 namespace perch::app {
 
-/// A scene that results can be held against. Throws InputError as read_scene, and where it has no truth.
-Scene read_scene_with_truth(const std::filesystem::path& file);
+/// A scene that results can be held against, prepared. Throws InputError as read_prepared_scene, and where it
+/// has no truth.
+Scene read_scene_with_truth(const std::filesystem::path& file, const Settings& settings,
+                            const Executor& executor);
 
 /// Holds the results in each folder against the truth of each scene. \param settings what J is counted with
 /// where the command line says so; else it is as the result states. \param on_scene called before each scene

@@ -10,9 +10,9 @@
 #include "output.hpp"
 #include "perch/core/stopwatch.hpp"
 #include "perch/io/poses_file.hpp"
-#include "perch/io/scene_file.hpp"
 #include "perch/localize/localize.hpp"
 #include "run_method.hpp"
+#include "scene_input.hpp"
 
 namespace perch::app {
 namespace {
@@ -92,8 +92,9 @@ void print_table(const Scene& scene, const Result& result) {
                  object.confidence ? fmt::format("{:.2f}", *object.confidence) : std::string("-"));
 }
 
-Scene read_inputs(const std::string& file, const LocalizeOptions& options) {
-  Scene scene = read_scene(file);
+Scene read_inputs(const std::string& file, const LocalizeOptions& options, const Settings& settings,
+                  const Executor& executor) {
+  Scene scene = read_prepared_scene(file, settings, executor);
   if (options.priors) scene.priors = read_priors(*options.priors, scene);
   return scene;
 }
@@ -118,7 +119,7 @@ int localize_scenes(const LocalizeOptions& options) {
   // A broken one, or a place that can't be written to, is refused before any is worked on and written.
   std::optional<Scene> read;
   for (std::size_t i = 0; i < n; ++i) {
-    read = read_inputs(options.scenes[i], options);
+    read = read_inputs(options.scenes[i], options, settings, *executor);
     if (!options.output.empty()) rehearse_outputs(output_of(i, *read));
   }
   int status = exit_solved;
@@ -126,7 +127,8 @@ int localize_scenes(const LocalizeOptions& options) {
     // Each scene gets its share of what is left of the command's time.
     const double left = (settings.time_limit - watch.seconds()) / static_cast<double>(n - i);
     const StopCondition stop = StopCondition::after(left);
-    const Scene scene = n == 1 ? std::move(*read) : read_inputs(options.scenes[i], options);
+    const Scene scene =
+        n == 1 ? std::move(*read) : read_inputs(options.scenes[i], options, settings, *executor);
     std::optional<Result> result;
     {
       ProgressLine progress(options.quiet);

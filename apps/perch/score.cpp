@@ -4,8 +4,8 @@
 #include "perch/io/atomic_write.hpp"
 #include "perch/io/poses_file.hpp"
 #include "perch/io/result_json.hpp"
-#include "perch/io/scene_file.hpp"
 #include "perch/localize/localize.hpp"
+#include "scene_input.hpp"
 
 namespace perch::app {
 namespace {
@@ -18,7 +18,7 @@ struct ScoreOptions {
 int score_scene_file(const ScoreOptions& options) {
   const Settings settings = options.settings.read();
   const auto executor = make_executor(settings.threads);
-  const Scene scene = read_scene(options.scene);
+  const Scene scene = read_prepared_scene(options.scene, settings, *executor);
   const auto poses = read_poses(options.poses, scene);
   const std::string json =
       to_json(blaming(options.scene, [&] { return score(scene, poses, settings, *executor); }));

@@ -8,6 +8,7 @@
 #include "command.hpp"
 #include "perch/io/result_file.hpp"
 #include "perch/io/scene_file.hpp"
+#include "perch/localize/prepare.hpp"
 
 namespace perch::app {
 namespace {
@@ -47,11 +48,12 @@ void print_table(const Checks& checks) {
 }
 
 int verify_result(const VerifyOptions& options) {
-  const Scene scene = read_scene(options.scene);
+  Scene scene = read_scene(options.scene);
   const ReportedResult result = read_result(options.result, scene);
   const Settings stated =
       blaming(options.result + ": guarantee", [&] { return stated_settings(result.guarantee); });
   const Settings settings = options.settings.read(stated);
+  scene = blaming(options.scene, [&] { return prepare(std::move(scene), settings, SerialExecutor()); });
   const Checks checks = blaming(options.scene, [&] { return verify(scene, result, settings); });
   const auto wrong =
       std::count_if(checks.begin(), checks.end(), [](const Check& check) { return !check.holds; });

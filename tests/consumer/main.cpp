@@ -3,6 +3,7 @@
 
 #include "perch/io/scene_file.hpp"
 #include "perch/localize/localize.hpp"
+#include "perch/localize/prepare.hpp"
 
 /// Localizes the scene that its one argument names, on a coarse grid, and prints the cost.
 int main(int argc, char** argv) {
@@ -11,11 +12,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    const perch::Scene scene = perch::read_scene(argv[1]);
     perch::Settings settings;
     perch::set_field(settings, "grid.resolution", "0.08");
     perch::set_field(settings, "grid.yaw_resolution_deg", "45");
     const auto executor = perch::make_executor(2);
+    const perch::Scene scene = perch::prepare(perch::read_scene(argv[1]), settings, *executor);
     const auto stop = perch::StopCondition::after(30.0);
     const perch::Result result = perch::localize(scene, settings, *executor, stop);
     if (!result.cost || result.objects.size() != scene.objects.size()) {

@@ -44,6 +44,12 @@ struct TruthPose {
   Symmetry symmetry = Symmetry::none();
 };
 
+/// What of the depth image belongs to no object of interest.
+enum class Background {
+  removed,  ///< nothing, or what the mask leaves out
+  table     ///< the support plane too, and what lies below it or outside the workspace
+};
+
 struct Rgb {
   std::uint8_t r = 0, g = 0, b = 0;
   friend bool operator==(const Rgb&, const Rgb&) = default;
@@ -53,12 +59,14 @@ struct Rgb {
 struct Scene {
   std::string name;  ///< for messages and folder names
   Camera camera;
-  DepthImage depth;            ///< metres, 0 = no reading; size as in the intrinsics
+  bool has_camera_pose = true;  ///< else `world_from_camera` is to be estimated from the support plane
+  DepthImage depth;             ///< metres, 0 = no reading; size as in the intrinsics
   double depth_scale = 0.001;  ///< metres per count of the input image; what rendered_depth.png is written in
   std::optional<Image<std::uint8_t>> mask;  ///< non-zero: the pixel belongs to an object of interest
-  std::optional<Image<Rgb>> color;          ///< for pictures only
-  std::optional<double> table_height;       ///< world z of the support plane; estimated if absent
-  std::optional<Workspace> workspace;       ///< derived from the observed points if absent
+  Background background = Background::removed;
+  std::optional<Image<Rgb>> color;     ///< for pictures only
+  std::optional<double> table_height;  ///< world z of the support plane; estimated if absent
+  std::optional<Workspace> workspace;  ///< derived from the observed points if absent
   std::vector<SceneModel> models;
   std::vector<SceneObject> objects;  ///< repeats allowed
   std::vector<PlacedModel> priors;   ///< poses that another detector proposes; they guide the search only
