@@ -19,6 +19,7 @@ CandidateSet some_of(const CandidateSet& set, std::size_t models, std::size_t mo
   std::vector<CandidateId> chosen;
   for (std::size_t model = 0; model < models; ++model) {
     std::vector<CandidateId> ids = set.of_model(model);
+    if (ids.empty()) continue;  // of a model that is not looked for
     std::stable_sort(ids.begin(), ids.end(), [&](CandidateId a, CandidateId b) {
       return set[a].explained_count > set[b].explained_count;
     });
@@ -41,6 +42,7 @@ std::unique_ptr<SmallProblem> problem_of_few(std::uint64_t seed) {
   if (random.below(2) == 0) add_mask(simulated.scene, random);
   Settings settings = small_settings(random.below(3) == 0 ? RefineMethod::none : RefineMethod::icp);
   if (random.below(2) == 0) settings.candidates.cost.missing_depth = MissingDepth::ignore;
+  add_clutter(simulated.scene, settings, random);
   auto small = std::make_unique<SmallProblem>(std::move(simulated), settings);
   small->set = some_of(small->set, small->problem->models().size(), 6, random);
   return small;

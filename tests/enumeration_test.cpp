@@ -20,13 +20,16 @@ namespace {
 
 constexpr int problems = 240;
 
-/// A random scene of 2 to 4 objects.
+/// A random scene of 2 to 4 objects, some of them with clutter.
 std::unique_ptr<SmallProblem> random_problem(std::uint64_t seed) {
   Random random(seed);
   const bool noise = random.below(2) == 0, repeats = random.below(4) == 0;
   const RefineMethod refine = random.below(3) == 0 ? RefineMethod::none : RefineMethod::icp;
   const int objects = 2 + static_cast<int>(random.below(3));
-  auto small = std::make_unique<SmallProblem>(seed, noise, refine, objects, repeats, random.below(4) == 0);
+  SimulatedScene simulated = small_tabletop(seed, noise, objects, repeats, random.below(4) == 0);
+  Settings settings = small_settings(refine);
+  add_clutter(simulated.scene, settings, random);
+  auto small = std::make_unique<SmallProblem>(std::move(simulated), settings);
   if (random.below(3) == 0) small->settings.tree = {0.0, 0};
   return small;
 }
