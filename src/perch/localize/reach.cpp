@@ -5,22 +5,23 @@
 
 namespace perch {
 
-Image<std::uint8_t> readings_in_reach(const Scene& scene, double table_height, double margin) {
-  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest, radius = 0.0;
+Reach::Reach(const Scene& scene, const std::optional<double>& table_height, double margin) {
+  constexpr double anywhere = std::numeric_limits<double>::infinity();
+  double foot = anywhere, top = -anywhere, radius = 0.0;
   for (const SceneModel& model : scene.models) {
-    lowest = std::min(lowest, table_height + model.base);
-    highest =
-        std::max(highest, table_height + model.base + static_cast<double>(model.mesh.bounds().max().z()));
+    foot = std::min(foot, model.base);
+    top = std::max(top, model.base + static_cast<double>(model.mesh.bounds().max().z()));
     for (const Eigen::Vector3f& p : model.mesh.vertices)
       radius = std::max(radius, static_cast<double>(p.head<2>().norm()));
   }
-  Eigen::AlignedBox3d reach(Eigen::Vector3d(0, 0, lowest - margin), Eigen::Vector3d(0, 0, highest + margin));
-  constexpr double anywhere = std::numeric_limits<double>::infinity();
-  const Workspace everywhere{-anywhere, anywhere, -anywhere, anywhere};
-  const Workspace w = scene.workspace.value_or(everywhere);
-  reach.min().head<2>() << w.x_min - radius - margin, w.y_min - radius - margin;
-  reach.max().head<2>() << w.x_max + radius + margin, w.y_max + radius + margin;
+  const Workspace w = scene.workspace.value_or(Workspace{-anywhere, anywhere, -anywhere, anywhere});
+  const double aside = radius + margin;
+  box_.min() << w.x_min - aside, w.y_min - aside, table_height ? *table_height + foot - margin : -anywhere;
+  box_.max() << w.x_max + aside, w.y_max + aside, table_height ? *table_height + top + margin : anywhere;
+}
 
+Image<std::uint8_t> readings_in_reach(const Scene& scene, double table_height, double margin) {
+  const Reach reach(scene, table_height, margin);
   const RaySlopes rays(scene.camera.intrinsics);
   Image<std::uint8_t> mask(scene.depth.width(), scene.depth.height(), 0);
   for (int v = 0; v < mask.height(); ++v)
