@@ -79,14 +79,17 @@ void print_table(const Scene& scene, const Result& result) {
   fmt::print("{} hypotheses, {} expansions, {:.2f} s on {} threads\n", result.stats.rendered,
              result.stats.expanded, result.stats.seconds.total, result.stats.threads);
   std::size_t width = 6;
-  for (const ObjectResult& object : result.objects) width = std::max(width, object.model.size());
+  const auto label = [](const ObjectResult& object) {
+    return object.rest_pose ? fmt::format("{}, rest pose {}", object.model, *object.rest_pose) : object.model;
+  };
+  for (const ObjectResult& object : result.objects) width = std::max(width, label(object).size());
   fmt::print("{:<{}}  {:>8} {:>8} {:>8} {:>8} {:>9} {:>10}\n", "object", width, "x [m]", "y [m]", "yaw [°]",
              "visible", "explained", "confidence");
   for (const ObjectResult& object : result.objects)
     if (object.absent)
       fmt::print("{:<{}}  absent\n", object.model, width);
     else
-      fmt::print("{:<{}}  {:8.4f} {:8.4f} {:8.1f} {:7.0f}% {:8.0f}% {:>10}\n", object.model, width,
+      fmt::print("{:<{}}  {:8.4f} {:8.4f} {:8.1f} {:7.0f}% {:8.0f}% {:>10}\n", label(object), width,
                  object.pose.x, object.pose.y, object.pose.yaw * degrees, 100.0 * object.visible_fraction,
                  100.0 * object.explained_fraction,
                  object.confidence ? fmt::format("{:.2f}", *object.confidence) : std::string("-"));

@@ -7,6 +7,7 @@
 #include "perch/baselines/bfwor.hpp"
 #include "perch/core/error.hpp"
 #include "perch/core/stopwatch.hpp"
+#include "perch/io/message.hpp"
 #include "perch/localize/given_poses.hpp"
 #include "perch/localize/localize.hpp"
 #ifdef PERCH_HAS_OUR_CVFH
@@ -50,6 +51,16 @@ OurCvfhSettings our_cvfh_settings(const Settings& settings) {
 }
 #endif
 
+/// The baselines don't choose among rest orientations.
+void refuse_rest_poses(const Scene& scene, LocalizationMethod method) {
+  for (const SceneObject& object : scene.objects)
+    if (rest_pose_count(scene.models, object.model) > 1)
+      throw InputError(fmt::format(
+          "models.{}.rest_poses: has several entries, and {} takes each model in one orientation; list one, "
+          "or use --method perch",
+          one_line(scene.models[object.model].name), name(method)));
+}
+
 BaselineAnswer run_baseline(const Scene& scene, const Settings& settings, const Executor& executor,
                             const StopCondition& stop) {
   const CandidateSettings& common = settings.candidates;
@@ -92,6 +103,7 @@ Result run_method(const Scene& scene, const Settings& settings, const Executor& 
                   const StopCondition& stop, const std::function<void(const Progress&)>& on_progress) {
   if (settings.localization == LocalizationMethod::perch)
     return localize(scene, settings, executor, stop, on_progress);
+  refuse_rest_poses(scene, settings.localization);
   const Stopwatch watch;
   Progress progress;
   progress.stage = "poses";

@@ -13,9 +13,9 @@ namespace perch {
 /// One object at one pose, valued as if it stood alone. Occlusion by others only removes rendered points, so
 /// in any scene it explains no point of I outside `explained`.
 struct Candidate {
-  std::size_t model = 0;
-  Pose pose;            ///< after refinement; yaw canonical for the model's symmetry
-  bool absent = false;  ///< the object is left out: nothing is rendered, and nothing collides with it
+  std::size_t model = 0;  ///< the body
+  Pose pose;              ///< after refinement; yaw canonical for the model's symmetry
+  bool absent = false;    ///< the object is left out: nothing is rendered, and nothing collides with it
 
   Window window;                     ///< of its rendering
   PointSet explained;                ///< E(c): points of I within delta of its rendered points
@@ -42,7 +42,8 @@ struct Candidate {
   DepthPatch patch;
 };
 
-/// An optional object that is left out: it explains nothing and costs nothing.
+/// An optional object that is left out: it explains nothing and costs nothing. \param model the first of its
+/// kind.
 inline Candidate absent_candidate(std::size_t model) {
   Candidate candidate;
   candidate.model = model;

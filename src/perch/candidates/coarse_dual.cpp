@@ -37,9 +37,9 @@ CoarseDual::CoarseDual(const LocalizationProblem& problem)
       columns_((width_ + side - 1) / side),
       rows_((problem.observation().intrinsics().height + side - 1) / side),
       pitch_(static_cast<std::size_t>(columns_) + lane_count),
-      largest_(problem.models().size(), 0),
-      charges_(problem.models().size()),
-      relief_(problem.models().size()) {
+      largest_(problem.kinds(), 0),
+      charges_(problem.kinds()),
+      relief_(problem.kinds()) {
   const std::size_t blocks = pitch_ * static_cast<std::size_t>(rows_);
   const Observation& observation = problem.observation();
   points_.assign(blocks, 0);
@@ -83,7 +83,7 @@ void CoarseDual::add(const CandidateSet& set, const Executor& executor) {
 
 CoarseDual::Counts CoarseDual::counts_of(const Candidate& candidate) const {
   Counts counts;
-  counts.model = candidate.model;
+  counts.kind = problem_.kind_of(candidate.model);
   if (candidate.absent || candidate.window.empty()) return counts;
   // Points that it explains may be seen beside its rendering.
   const int margin = problem_.cost().index().reach();
@@ -126,7 +126,7 @@ void CoarseDual::value_all(const Executor& executor) {
   values_.resize(candidates_.size());
   for_each_batched(executor, candidates_.size(), batch, StopCondition(), [&](std::size_t i, std::size_t) {
     const Counts& c = candidates_[i];
-    const Charges& charges = charges_[c.model];
+    const Charges& charges = charges_[c.kind];
     const std::size_t corner = block_at(c.column, c.row);
     const WorthFrame frame{c.explained.data(),
                            c.certain.data(),
@@ -151,15 +151,15 @@ void CoarseDual::ascend(int iterations, std::int64_t aim, double enough, const E
     value_all(executor);
     std::vector<std::size_t> best(charges_.size(), nothing);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      std::size_t& first = best[candidates_[i].model];
+      std::size_t& first = best[candidates_[i].kind];
       if (first == nothing || values_[i] > values_[first]) first = i;
     }
     Weight bound = constant() / finer;
     std::vector<Weight> largest(charges_.size(), 0);
-    for (std::size_t model = 0; model < best.size(); ++model) {
-      if (problem_.copies()[model] == 0) continue;
-      largest[model] = values_[best[model]] * finer;
-      bound -= problem_.copies()[model] * values_[best[model]];
+    for (std::size_t kind = 0; kind < best.size(); ++kind) {
+      if (problem_.copies()[kind] == 0) continue;
+      largest[kind] = values_[best[kind]] * finer;
+      bound -= problem_.copies()[kind] * values_[best[kind]];
     }
     const bool gained = !best_bound || bound > *best_bound;
     relaxation.note(gained);
@@ -179,15 +179,15 @@ void CoarseDual::ascend(int iterations, std::int64_t aim, double enough, const E
   sum_relief();
 }
 
-/// Polyak's step along the subgradient of the bound at the best candidate of each model. The weight of a
+/// Polyak's step along the subgradient of the bound at the best candidate of each kind. The weight of a
 /// block stands for those of its pixels, so a slope counts by the pixel.
 bool CoarseDual::step(const std::vector<std::size_t>& best, double rise) {
   for (const std::uint32_t b : with_points_) mu_slope_[b] = points_[b];
   moved_.clear();
-  for (std::size_t model = 0; model < best.size(); ++model) {
-    const int copies = problem_.copies()[model];
+  for (std::size_t kind = 0; kind < best.size(); ++kind) {
+    const int copies = problem_.copies()[kind];
     if (copies == 0) continue;
-    const Counts& c = candidates_[best[model]];
+    const Counts& c = candidates_[best[kind]];
     std::size_t i = 0;
     for (int row = 0; row < c.rows; ++row)
       for (int column = 0; column < c.columns; ++column, ++i) {
@@ -196,10 +196,10 @@ bool CoarseDual::step(const std::vector<std::size_t>& best, double rise) {
         if ((c.certain[i] | c.uncertain[i] | c.relieved[i]) == 0) continue;
         if (!touched_[block]) moved_.push_back(static_cast<std::uint32_t>(block));
         touched_[block] = 1;
-        charges_[model].certain_slope[block] += copies * c.certain[i];
-        charges_[model].uncertain_slope[block] += copies * c.uncertain[i];
+        charges_[kind].certain_slope[block] += copies * c.certain[i];
+        charges_[kind].uncertain_slope[block] += copies * c.uncertain[i];
         for (std::size_t other = 0; other < charges_.size(); ++other) {
-          const int relieved = copies * (problem_.copies()[other] - static_cast<int>(other == model));
+          const int relieved = copies * (problem_.copies()[other] - static_cast<int>(other == kind));
           if (problem_.copies()[other] > 0 && relieved > 0)
             charges_[other].uncertain_slope[block] -= relieved * c.relieved[i];
         }
@@ -241,9 +241,9 @@ bool CoarseDual::step(const std::vector<std::size_t>& best, double rise) {
 
 void CoarseDual::make_feasible(std::size_t block) {
   std::int64_t total = 0;
-  for (std::size_t model = 0; model < charges_.size(); ++model)
-    total += std::int64_t{problem_.copies()[model]} *
-             (charges_[model].certain[block] + charges_[model].uncertain[block]);
+  for (std::size_t kind = 0; kind < charges_.size(); ++kind)
+    total += std::int64_t{problem_.copies()[kind]} *
+             (charges_[kind].certain[block] + charges_[kind].uncertain[block]);
   if (total <= coarse_one) return;
   const auto scale = [total](std::int32_t& weight) {
     weight = static_cast<std::int32_t>(std::int64_t{weight} * coarse_one / total);
@@ -256,8 +256,8 @@ void CoarseDual::make_feasible(std::size_t block) {
 
 void CoarseDual::update_relief(std::size_t block) {
   std::int32_t total = 0;
-  for (std::size_t model = 0; model < charges_.size(); ++model)
-    total += problem_.copies()[model] * charges_[model].uncertain[block];
+  for (std::size_t kind = 0; kind < charges_.size(); ++kind)
+    total += problem_.copies()[kind] * charges_[kind].uncertain[block];
   for (Charges& charges : charges_) charges.relief[block] = total - charges.uncertain[block];
 }
 
@@ -281,10 +281,10 @@ void CoarseDual::recall() {
 }
 
 void CoarseDual::sum_relief() {
-  for (std::size_t model = 0; model < charges_.size(); ++model) {
-    if (problem_.copies()[model] == 0) continue;
-    relief_[model] = SummedArea({0, 0, columns_, rows_}, [&](int column, int row) {
-      return Weight{charges_[model].relief[block_at(column, row)]} * (finer * side * side);
+  for (std::size_t kind = 0; kind < charges_.size(); ++kind) {
+    if (problem_.copies()[kind] == 0) continue;
+    relief_[kind] = SummedArea({0, 0, columns_, rows_}, [&](int column, int row) {
+      return Weight{charges_[kind].relief[block_at(column, row)]} * (finer * side * side);
     });
   }
 }
@@ -303,15 +303,15 @@ std::vector<CoarseDual::Weight> CoarseDual::point_weights() const {
   return weights;
 }
 
-CoarseDual::Weight CoarseDual::relief(std::size_t model, const Window& window) const {
-  return relief_[model](
+CoarseDual::Weight CoarseDual::relief(std::size_t kind, const Window& window) const {
+  return relief_[kind](
       {window.u0 / side, window.v0 / side, (window.u1 + side - 1) / side, (window.v1 + side - 1) / side});
 }
 
-Lagrangian::PixelWeight CoarseDual::pixel_weight(std::size_t model, std::uint32_t pixel) const {
+Lagrangian::PixelWeight CoarseDual::pixel_weight(std::size_t kind, std::uint32_t pixel) const {
   const int v = static_cast<int>(pixel) / width_, u = static_cast<int>(pixel) % width_;
   const std::size_t block = block_at(u / side, v / side);
-  return {charges_[model].certain[block] * finer, charges_[model].uncertain[block] * finer};
+  return {charges_[kind].certain[block] * finer, charges_[kind].uncertain[block] * finer};
 }
 
 }  // namespace perch

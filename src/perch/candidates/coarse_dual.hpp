@@ -11,7 +11,7 @@ namespace perch {
 
 /// The Lagrangian bound (see Lagrangian) with weights that are the same all over a block of pixels. These are
 /// weights like any other, so the bound holds, and what a candidate is worth by them takes a few counts a
-/// block. Blocks lie in a grid over the image; slots are models.
+/// block. Blocks lie in a grid over the image; slots are kinds.
 class CoarseDual {
  public:
   using Weight = Lagrangian::Weight;
@@ -22,26 +22,26 @@ class CoarseDual {
   /// Takes in the candidates of the set from the number of those taken in on.
   void add(const CandidateSet& set, const Executor& executor);
   /// Improves the weights by a subgradient method until the bound over the candidates taken in reaches
-  /// `enough`, `iterations` at most. Every model has a candidate. \param aim what the optimum may cost.
+  /// `enough`, `iterations` at most. Every kind has a candidate. \param aim what the optimum may cost.
   void ascend(int iterations, std::int64_t aim, double enough, const Executor& executor,
               const StopCondition& stop);
 
-  // At the weights. A scene of any k_m objects of each model m, taken in or not, costs at least constant -
+  // At the weights. A scene of any k_m objects of each kind m, taken in or not, costs at least constant -
   // the sum of what they are worth; one that explains the points E and is seen in a window is worth at most
   // the sum of point_weights() over E + relief(m, window).
   Weight constant() const;
-  /// Of each model: the most that one of its candidates is worth.
+  /// Of each kind: the most that one of its candidates is worth.
   const std::vector<Weight>& largest() const { return largest_; }
   /// mu of each point of I.
   std::vector<Weight> point_weights() const;
-  Weight relief(std::size_t model, const Window& window) const;
+  Weight relief(std::size_t kind, const Window& window) const;
   /// beta and upsilon of a pixel (row-major).
-  Lagrangian::PixelWeight pixel_weight(std::size_t model, std::uint32_t pixel) const;
+  Lagrangian::PixelWeight pixel_weight(std::size_t kind, std::uint32_t pixel) const;
 
  private:
   /// Counts of a candidate's pixels and points in the blocks of its window, in four planes.
   struct Counts {
-    std::size_t model = 0;
+    std::size_t kind = 0;
     int column = 0, row = 0, columns = 0, rows = 0;  ///< of blocks; columns are a multiple of lane_count
     std::vector<std::uint8_t> explained, certain, uncertain, relieved;
   };
@@ -83,10 +83,10 @@ class CoarseDual {
   std::vector<Weight> largest_;
   std::vector<std::int32_t> mu_, best_mu_;
   std::vector<int> mu_slope_;
-  std::vector<Charges> charges_;  ///< of each model
+  std::vector<Charges> charges_;  ///< of each kind
   std::vector<std::uint32_t> moved_;
   std::vector<char> touched_;
-  std::vector<SummedArea> relief_;  ///< of each model, over blocks
+  std::vector<SummedArea> relief_;  ///< of each kind, over blocks
 };
 
 }  // namespace perch

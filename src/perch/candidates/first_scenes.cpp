@@ -20,19 +20,19 @@ class SceneBuilder {
                std::vector<CandidateMaker>& makers, const Executor& executor, const StopCondition& stop)
       : problem_(problem), set_(set), makers_(makers), executor_(executor), stop_(stop) {}
 
-  /// Greedily, beside what is `placed` already; an object of the model `first` comes first.
+  /// Greedily, beside what is `placed` already; an object of the kind `first` comes first.
   std::optional<CandidateScene> greedy(std::optional<std::size_t> first,
                                        const std::vector<CandidateId>& placed = {}) const {
     return greedy_scene(problem_, set_, UnfinishedScene(problem_, set_, placed), makers_.front(),
                         [&](const UnfinishedScene& scene, std::vector<int>& choice) {
                           if (first && scene.placed.empty())
-                            for (std::size_t model = 0; model < choice.size(); ++model)
-                              if (model != *first) choice[model] = 0;
+                            for (std::size_t kind = 0; kind < choice.size(); ++kind)
+                              if (kind != *first) choice[kind] = 0;
                           return !stop_();
                         });
   }
 
-  /// Exchanges one candidate at a time for the best other one of its model, as long as J falls.
+  /// Exchanges one candidate at a time for the best other one of its kind, as long as J falls.
   /// \param from candidates below this number have been tried in this very scene.
   void improve(CandidateScene& scene, CandidateId from = 0) const {
     for (int pass = 0; pass < most_passes; ++pass) {
@@ -89,7 +89,7 @@ class SceneBuilder {
     made.others.erase(made.others.begin() + static_cast<std::ptrdiff_t>(place));
     for (const CandidateId id : made.others) maker.add(made.composite, set_[id]);
     const CandidateFloor floor_of(problem_.cost(), made.composite);
-    for (const CandidateId id : set_.of_model(set_[scene.candidates[place]].model)) {
+    for (const CandidateId id : set_.of_kind(set_.kind(scene.candidates[place]))) {
       if (id < from || id == scene.candidates[place]) continue;
       const std::int64_t floor = floor_of(set_[id]);
       if (floor < scene.cost) made.by_floor.emplace_back(floor, id);
@@ -138,8 +138,8 @@ std::vector<CandidateScene> first_scenes(const LocalizationProblem& problem, con
                                          const StopCondition& stop, const std::vector<PriorPose>& priors) {
   const SceneBuilder builder(problem, set, makers, executor, stop);
   std::vector<std::optional<std::size_t>> starts{std::nullopt};
-  for (std::size_t model = 0; model < problem.copies().size() && starts.size() < most_starts; ++model)
-    if (problem.copies()[model] > 0) starts.push_back(model);
+  for (std::size_t kind = 0; kind < problem.kinds() && starts.size() < most_starts; ++kind)
+    if (problem.copies()[kind] > 0) starts.push_back(kind);
   std::vector<CandidateScene> scenes;
   std::vector<std::vector<CandidateId>> seen;
   const auto start = [&](std::optional<CandidateScene> scene) {

@@ -15,11 +15,12 @@ constexpr std::size_t batch = 16;  // hypotheses that a worker takes at a time
 
 FixedCandidates::FixedCandidates(const LocalizationProblem& problem, std::vector<CandidateMaker>& makers,
                                  const Executor& executor)
-    : problem_(problem), makers_(makers), executor_(executor), set_(problem.models().size()) {}
+    : problem_(problem), makers_(makers), executor_(executor), set_(problem) {}
 
 bool FixedCandidates::refine(const StopCondition& stop) {
   for (std::size_t model = 0; model < problem_.models().size(); ++model) {
-    if (problem_.copies()[model] == 0) continue;
+    const std::size_t kind = problem_.kind_of(model);
+    if (problem_.copies()[kind] == 0) continue;
     const PoseGrid& grid = problem_.grid(model);
     const auto poses = static_cast<std::size_t>(grid.size());
     std::vector<std::optional<Hypothesis>> refined(poses);
@@ -38,7 +39,8 @@ bool FixedCandidates::refine(const StopCondition& stop) {
     for (auto& hypothesis : refined)
       if (hypothesis && met.emplace(hypothesis->pose.x, hypothesis->pose.y, hypothesis->pose.yaw).second)
         open_.push_back(std::move(*hypothesis));
-    if (problem_.optional(model)) set_.add(absent_candidate(model));
+    if (problem_.optional(kind) && model == problem_.bodies_of(kind).front())
+      set_.add(absent_candidate(model));
   }
   count_ = static_cast<std::int64_t>(open_.size() + set_.size());
   return true;
@@ -84,11 +86,12 @@ std::vector<FixedCandidates::Weight> FixedCandidates::sums_of(
 std::vector<FixedCandidates::Weight> FixedCandidates::most_explained(
     const std::vector<std::vector<Weight>>& point_weights, const std::vector<int>& wanted) const {
   std::vector<std::vector<Weight>> sums;
-  for (const auto& of_model : point_weights) sums.push_back(sums_of(of_model));
+  for (const auto& of_kind : point_weights) sums.push_back(sums_of(of_kind));
   std::vector<Weight> most(open_.size(), 0);
   for (std::size_t i = 0; i < open_.size(); ++i) {
-    if (wanted[open_[i].model] == 0) continue;
-    const std::vector<Weight>& own = sums[sums.size() == 1 ? 0 : open_[i].model];
+    const std::size_t kind = problem_.kind_of(open_[i].model);
+    if (wanted[kind] == 0) continue;
+    const std::vector<Weight>& own = sums[sums.size() == 1 ? 0 : kind];
     for (const Run& run : open_[i].near) most[i] += own[run.last] - own[run.first];
   }
   return most;

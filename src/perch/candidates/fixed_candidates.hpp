@@ -35,7 +35,7 @@ class FixedCandidates {
   /// Different poses among them whose box reaches into the image, and the absent objects.
   std::int64_t count() const { return count_; }
 
-  /// What is valued, and the absent object of each model whose objects are optional.
+  /// What is valued, and the absent object of each kind whose objects are optional.
   CandidateSet& set() { return set_; }
   const CandidateSet& set() const { return set_; }
   const std::vector<Hypothesis>& open() const { return open_; }
@@ -45,7 +45,7 @@ class FixedCandidates {
   bool value_all(const StopCondition& stop);
 
   /// For each open hypothesis what it explains of I at most. \param point_weights >= 0, one set for all
-  /// models or one for each. \param wanted 0 for models whose hypotheses are left at 0.
+  /// kinds or one for each. \param wanted 0 for kinds whose hypotheses are left at 0.
   std::vector<Weight> most_explained(const std::vector<std::vector<Weight>>& point_weights,
                                      const std::vector<int>& wanted) const;
 

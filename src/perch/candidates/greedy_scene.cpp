@@ -20,7 +20,7 @@ UnfinishedScene::UnfinishedScene(const LocalizationProblem& problem, const Candi
 
 void UnfinishedScene::place(const CandidateSet& set, CandidateId id) {
   placed.push_back(id);
-  --left[set[id].model];
+  --left[set.kind(id)];
   covered.insert_all(set[id].explained);
 }
 
@@ -35,9 +35,9 @@ std::optional<CandidateScene> greedy_scene(
                           [&](CandidateId other) { return problem.collide(set[id], set[other]); });
     };
     std::optional<std::pair<std::int64_t, CandidateId>> best;  // gain, and of equal ones the first
-    for (std::size_t model = 0; model < choice.size(); ++model)
-      for (const CandidateId id : set.of_model(model)) {
-        if (choice[model] == 0) break;
+    for (std::size_t kind = 0; kind < choice.size(); ++kind)
+      for (const CandidateId id : set.of_kind(kind)) {
+        if (choice[kind] == 0) break;
         const std::int64_t gain =
             static_cast<std::int64_t>(set[id].explained.count_not_in(scene.covered)) - set[id].exposed;
         const bool better = !best || gain > best->first || (gain == best->first && id < best->second);

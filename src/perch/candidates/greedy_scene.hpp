@@ -23,7 +23,7 @@ std::int64_t scene_cost(const LocalizationProblem& problem, const CandidateSet& 
 /// A scene that is being put together.
 struct UnfinishedScene {
   std::vector<CandidateId> placed;
-  std::vector<int> left;  ///< copies of each model that are not placed yet
+  std::vector<int> left;  ///< copies of each kind that are not placed yet
   PointSet covered;       ///< points of I that some placed candidate alone explains
 
   UnfinishedScene(const LocalizationProblem& problem, const CandidateSet& set,
@@ -33,7 +33,7 @@ struct UnfinishedScene {
 
 /// Places one object after the other, always the candidate that explains most more than it leaves to be
 /// explained beside those placed, without collisions. \param before_choice may add candidates to the set, and
-/// take models out of the choice by setting their copies left to 0 in its second argument; false gives up.
+/// take kinds out of the choice by setting their copies left to 0 in its second argument; false gives up.
 /// Empty then, and where no candidate fits.
 std::optional<CandidateScene> greedy_scene(
     const LocalizationProblem& problem, const CandidateSet& set, UnfinishedScene scene, CandidateMaker& maker,

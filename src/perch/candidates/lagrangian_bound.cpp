@@ -7,18 +7,18 @@
 namespace perch {
 namespace {
 
-/// The candidates of the objects, model by model; a model's objects are a slot.
+/// The candidates of the objects, kind by kind; a kind's objects are a slot.
 Covering covering_of(const LocalizationProblem& problem, const CandidateSet& set,
                      std::vector<CandidateId>& ids) {
   const Intrinsics& intrinsics = problem.observation().intrinsics();
   Covering covering;
   covering.points = static_cast<std::size_t>(problem.cost().charged_points());
   covering.pixels = static_cast<std::size_t>(intrinsics.width) * static_cast<std::size_t>(intrinsics.height);
-  for (std::size_t model = 0; model < problem.models().size(); ++model) {
-    if (problem.copies()[model] == 0) continue;
+  for (std::size_t kind = 0; kind < problem.kinds(); ++kind) {
+    if (problem.copies()[kind] == 0) continue;
     const auto slot = static_cast<std::uint32_t>(covering.copies.size());
-    covering.copies.push_back(problem.copies()[model]);
-    for (const CandidateId id : set.of_model(model)) {
+    covering.copies.push_back(problem.copies()[kind]);
+    for (const CandidateId id : set.of_kind(kind)) {
       covering.options.push_back({slot, set[id].explained_runs, set[id].certain_runs, set[id].uncertain_runs,
                                   set[id].explained_pixels});
       ids.push_back(id);
@@ -79,10 +79,10 @@ void LagrangianBound::take_weights(const CoarseDual& start) {
   const std::vector<Lagrangian::Weight> mu = start.point_weights();
   for (std::size_t i = 0; i < point_of_.size(); ++i) lagrangian_.set_point_weight(i, mu[point_of_[i]]);
   std::size_t slot = 0;
-  for (std::size_t model = 0; model < problem_.models().size(); ++model) {
-    if (problem_.copies()[model] == 0) continue;
+  for (std::size_t kind = 0; kind < problem_.kinds(); ++kind) {
+    if (problem_.copies()[kind] == 0) continue;
     for (std::size_t x = 0; x < pixel_of_.size(); ++x)
-      lagrangian_.set_pixel_weight(slot, x, start.pixel_weight(model, pixel_of_[x]));
+      lagrangian_.set_pixel_weight(slot, x, start.pixel_weight(kind, pixel_of_[x]));
     ++slot;
   }
 }

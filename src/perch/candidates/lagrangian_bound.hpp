@@ -34,7 +34,7 @@ class ReducedCosts {
 /// pixel of the union of the B(c) costs a rendered point.
 class LagrangianBound {
  public:
-  /// Keeps references; the set's candidates are those of its of_model lists. \param start weights to begin
+  /// Keeps references; the set's candidates are those of its of_kind lists. \param start weights to begin
   /// with, or nullptr.
   LagrangianBound(const LocalizationProblem& problem, const CandidateSet& set,
                   const CoarseDual* start = nullptr);
@@ -46,7 +46,7 @@ class LagrangianBound {
   /// point in front.
   void widen_certain(std::vector<CandidateMaker>& makers, const Executor& executor);
 
-  /// Where k copies of a model are left to k places of a known scene, gives each place a slot of its own:
+  /// Where k copies of a kind are left to k places of a known scene, gives each place a slot of its own:
   /// candidates go to the nearest place, and every other way to share out the copies is shown to cost at
   /// least the upper bound. Where that can't be shown nothing changes. \param known the scene's candidates.
   void separate_copies(const std::vector<CandidateId>& known, int iterations, std::int64_t upper_bound,
@@ -60,7 +60,7 @@ class LagrangianBound {
   std::size_t kept_count() const { return lagrangian_.kept_count(); }
   /// At the best weights found; zero for dropped candidates.
   ReducedCosts reduced_costs() const;
-  /// Slots: a model's objects, or one of them where copies are separated.
+  /// Slots: a kind's objects, or one of them where copies are separated.
   const std::vector<int>& copies() const { return lagrangian_.covering().copies; }
   std::size_t slot(CandidateId id) const { return slot_of_[id]; }
   /// The weights mu of the points of I.

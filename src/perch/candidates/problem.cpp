@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "perch/core/error.hpp"
 #include "perch/observation/extent.hpp"
@@ -20,7 +21,7 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
                                          std::vector<std::size_t> objects, std::vector<char> optional,
                                          const std::optional<Workspace>& workspace,
                                          const CandidateSettings& settings, const Executor& executor,
-                                         const StopCondition& stop)
+                                         const StopCondition& stop, std::vector<std::size_t> kind_of)
     : settings_((settings.check(), settings)),
       observation_(std::move(observation)),
       index_(observation_, settings.cost.delta, executor, stop),
@@ -28,12 +29,21 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
       blocks_(observation_, ExplainedBound::block_radius(settings.cost.delta)),
       explained_bound_(observation_.intrinsics(), blocks_, settings.cost.delta, index_.reach()),
       models_(std::move(models)),
+      kind_of_(std::move(kind_of)),
       objects_(std::move(objects)),
-      copies_(models_.size(), 0),
       optional_(std::move(optional)),
       camera_from_world_(observation_.camera().world_from_camera.inverse()) {
-  for (const std::size_t model : objects_) ++copies_[model];
-  optional_.resize(models_.size(), 0);
+  if (kind_of_.empty()) {
+    kind_of_.resize(models_.size());
+    std::iota(kind_of_.begin(), kind_of_.end(), std::size_t{0});
+  }
+  for (std::size_t m = 0; m < models_.size(); ++m) {
+    if (kind_of_[m] == bodies_.size()) bodies_.emplace_back();
+    bodies_[kind_of_[m]].push_back(m);
+  }
+  copies_.resize(kinds(), 0);
+  for (const std::size_t kind : objects_) ++copies_[kind];
+  optional_.resize(kinds(), 0);
 
   const Eigen::AlignedBox2d seen = footprint(observation_);
   double poses = 0.0;
@@ -42,7 +52,7 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
     workspaces_.push_back(workspace.value_or(
         Workspace{seen.min().x() - r, seen.max().x() + r, seen.min().y() - r, seen.max().y() + r}));
     grids_.emplace_back(workspaces_.back(), settings_.grid, models_[m].symmetry());
-    if (copies_[m] > 0) poses += grids_.back().size();
+    if (copies_[kind_of_[m]] > 0) poses += grids_.back().size();
   }
   if (poses > static_cast<double>(settings_.grid.max_poses))
     throw InputError(

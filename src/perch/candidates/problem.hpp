@@ -36,17 +36,24 @@ struct CandidateSettings {
 
 /// One localization problem made ready to be searched: what was observed, the models, which are present, and
 /// the look-up structures over I. Immutable and shared by all threads.
+///
+/// A model here is a *body*: a mesh that stands in one way, which is what is rendered, refined, put on a grid
+/// and collides. What an object is of is a *kind*: the bodies that it may be, one for each orientation in
+/// which a model may rest on the support plane. Copies of a kind are interchangeable, whichever of its bodies
+/// they are.
 class LocalizationProblem {
  public:
-  /// \param objects the models present, counting into `models`; repeats allowed, at least one.
-  /// \param optional of each model: its objects may be absent. Empty: none may.
-  /// \param workspace derived from I for each model where not given: the bounds of I widened by the model's
-  /// radius. Throws InputError where the grid has more poses than memory allows, InvalidSetting for a bad
-  /// setting.
+  /// \param objects the kinds present, counting into the kinds; repeats allowed, at least one.
+  /// \param optional of each kind: its objects may be absent. Empty: none may.
+  /// \param kind_of of each model the number of its kind; kinds are numbered by their first models. Empty:
+  /// each is a kind of its own, of the same number. \param workspace derived from I for each model where not
+  /// given: the bounds of I widened by the model's radius. Throws InputError where the grid has more poses
+  /// than memory allows, InvalidSetting for a bad setting.
   LocalizationProblem(Observation observation, std::vector<ObjectModel> models,
                       std::vector<std::size_t> objects, std::vector<char> optional,
                       const std::optional<Workspace>& workspace, const CandidateSettings& settings,
-                      const Executor& executor, const StopCondition& stop = StopCondition());
+                      const Executor& executor, const StopCondition& stop = StopCondition(),
+                      std::vector<std::size_t> kind_of = {});
   LocalizationProblem(const LocalizationProblem&) = delete;
   LocalizationProblem& operator=(const LocalizationProblem&) = delete;
 
@@ -60,13 +67,19 @@ class LocalizationProblem {
   const std::vector<ObjectModel>& models() const { return models_; }
   /// What each model shows of its surface, for ICP; only where something is refined.
   const SurfaceViews& views(std::size_t model) const { return views_[model]; }
+  /// How many kinds there are.
+  std::size_t kinds() const { return bodies_.size(); }
+  std::size_t kind_of(std::size_t model) const { return kind_of_[model]; }
+  /// The models that an object of a kind may be, ascending; at least one.
+  const std::vector<std::size_t>& bodies_of(std::size_t kind) const { return bodies_[kind]; }
+  /// What each object is of: kinds.
   const std::vector<std::size_t>& objects() const { return objects_; }
   /// K, the number of objects.
   std::size_t object_count() const { return objects_.size(); }
-  /// k_m: how many copies of each model are present.
+  /// k_m: how many copies of each kind are present.
   const std::vector<int>& copies() const { return copies_; }
-  /// True if objects of this model may be absent.
-  bool optional(std::size_t model) const { return optional_[model] != 0; }
+  /// True if objects of this kind may be absent.
+  bool optional(std::size_t kind) const { return optional_[kind] != 0; }
 
   const PoseGrid& grid(std::size_t model) const { return grids_[model]; }
   const Workspace& workspace(std::size_t model) const { return workspaces_[model]; }
@@ -76,6 +89,10 @@ class LocalizationProblem {
   /// True for every pose, but where points of I cost nothing only where the middle of the object's box is in
   /// the image: what is out of view costs nothing there, and would be the best of all.
   bool admits(std::size_t model, const Pose& pose) const;
+  /// The same of the model's own frame, in which it is not turned to the orientation that it rests in.
+  Eigen::Isometry3d camera_from_unturned(std::size_t model, const Pose& pose) const {
+    return camera_from_world_ * models_[model].world_from_unturned(pose);
+  }
   /// The pixels that an object can cover; empty where it is out of view.
   Window window(std::size_t model, const Pose& pose) const {
     return explained_bound_.window(models_[model], camera_from_model(model, pose));
@@ -100,6 +117,8 @@ class LocalizationProblem {
   std::optional<NearestTable> nearest_;
   std::vector<ObjectModel> models_;
   std::deque<SurfaceViews> views_;
+  std::vector<std::size_t> kind_of_;              ///< of each model
+  std::vector<std::vector<std::size_t>> bodies_;  ///< of each kind
   std::vector<std::size_t> objects_;
   std::vector<int> copies_;
   std::vector<char> optional_;

@@ -9,7 +9,7 @@ namespace {
 
 using Weight = Lagrangian::Weight;
 
-constexpr std::size_t promising = 16;     // of each model
+constexpr std::size_t promising = 16;     // of each body
 constexpr std::size_t near_priors = 8;    // for each: some may collide with what stands at another one
 constexpr std::size_t most_valued = 256;  // in a step: what they show may rule out the others
 constexpr int step_iterations = 40;       // of the dual
@@ -65,7 +65,7 @@ bool RootBound::value_promising(const std::vector<std::vector<std::int64_t>>& po
   const std::vector<Weight> most = candidates_.most_explained(point_weights, wanted);
   std::vector<char> chosen(open.size(), 0);
   for (std::size_t model = 0; model < problem_.models().size(); ++model) {
-    if (wanted[model] == 0) continue;
+    if (wanted[problem_.kind_of(model)] == 0) continue;
     choose(
         open, model, promising,
         [&](std::size_t i) {
@@ -81,13 +81,13 @@ bool RootBound::value_promising(const std::vector<std::vector<std::int64_t>>& po
   return candidates_.value(places(chosen), stop);
 }
 
-/// A model of which none of what is valued is in view may have hypotheses that are.
-bool RootBound::value_unseen_models(const StopCondition& stop) {
+/// A kind of which none of what is valued is in view may have hypotheses that are.
+bool RootBound::value_unseen_kinds(const StopCondition& stop) {
   const auto& open = candidates_.open();
-  for (std::size_t model = 0; model < problem_.models().size(); ++model) {
-    if (problem_.copies()[model] == 0 || !candidates_.set().of_model(model).empty()) continue;
+  for (std::size_t kind = 0; kind < problem_.kinds(); ++kind) {
+    if (problem_.copies()[kind] == 0 || !candidates_.set().of_kind(kind).empty()) continue;
     std::vector<char> chosen(open.size(), 0);
-    for (std::size_t i = 0; i < open.size(); ++i) chosen[i] = open[i].model == model;
+    for (std::size_t i = 0; i < open.size(); ++i) chosen[i] = problem_.kind_of(open[i].model) == kind;
     if (!candidates_.value(places(chosen), stop)) return false;
   }
   return true;
@@ -101,7 +101,7 @@ std::optional<CandidateScene> RootBound::greedy_scene(const std::vector<Candidat
                                const std::vector<std::int64_t> weights =
                                    weights_outside(scene.covered, problem_.observation().size());
                                return value_promising({weights}, choice, scene.placed, stop) &&
-                                      (!scene.placed.empty() || value_unseen_models(stop));
+                                      (!scene.placed.empty() || value_unseen_kinds(stop));
                              });
 }
 
@@ -109,10 +109,10 @@ bool RootBound::value_beside(const std::vector<CandidateId>& scene, const StopCo
   const CandidateSet& set = candidates_.set();
   const std::size_t points = problem_.observation().size();
   std::vector<std::vector<std::int64_t>> weights;
-  for (std::size_t model = 0; model < problem_.models().size(); ++model) {
+  for (std::size_t kind = 0; kind < problem_.kinds(); ++kind) {
     PointSet covered(points);
     for (const CandidateId id : scene)
-      if (set[id].model != model) covered.insert_all(set[id].explained);
+      if (set.kind(id) != kind) covered.insert_all(set[id].explained);
     weights.push_back(weights_outside(covered, points));
   }
   return value_promising(weights, problem_.copies(), {}, stop);
@@ -121,7 +121,7 @@ bool RootBound::value_beside(const std::vector<CandidateId>& scene, const StopCo
 std::vector<Weight> RootBound::most_worth() const {
   std::vector<Weight> most = candidates_.most_explained({dual_.point_weights()}, problem_.copies());
   const auto& open = candidates_.open();
-  for (std::size_t i = 0; i < open.size(); ++i) most[i] += dual_.relief(open[i].model, open[i].window);
+  for (std::size_t i = 0; i < open.size(); ++i) most[i] += dual_.relief(kind_of(i), open[i].window);
   return most;
 }
 
@@ -148,25 +148,24 @@ std::vector<std::size_t> RootBound::price(std::int64_t upper_bound, double enoug
   // The bound if no open hypothesis were worth more than the best candidate, and as it is.
   Weight without = dual_.constant(), bound = without, copies = 0;
   std::vector<Weight> largest = dual_.largest();
-  for (std::size_t i = 0; i < open.size(); ++i)
-    largest[open[i].model] = std::max(largest[open[i].model], worth[i]);
-  for (std::size_t model = 0; model < largest.size(); ++model) {
-    const Weight k = problem_.copies()[model];
-    without -= k * dual_.largest()[model];
-    bound -= k * largest[model];
+  for (std::size_t i = 0; i < open.size(); ++i) largest[kind_of(i)] = std::max(largest[kind_of(i)], worth[i]);
+  for (std::size_t kind = 0; kind < largest.size(); ++kind) {
+    const Weight k = problem_.copies()[kind];
+    without -= k * dual_.largest()[kind];
+    bound -= k * largest[kind];
     copies += k;
   }
   lower_bound_ = std::clamp(Lagrangian::count(bound), lower_bound_, std::max(lower_bound_, upper_bound));
   if (static_cast<double>(lower_bound_) >= enough) return {};
 
-  // How much less than the best of its model a hypothesis must be worth to be of no use: less than nothing
+  // How much less than the best of its kind a hypothesis must be worth to be of no use: less than nothing
   // where the bound has room to fall to what is enough; else so little that no scene with it is better.
   // Costs are whole: what exceeds the number below is enough.
   const auto number = static_cast<Weight>(std::ceil(std::min(enough, static_cast<double>(upper_bound))));
   const Weight aim = (number - 1) * Lagrangian::one + 1;
   const Weight margin =
       without >= aim ? -((without - aim) / copies) : (upper_bound - 1) * Lagrangian::one - without;
-  const auto deficit = [&](std::size_t i) { return dual_.largest()[open[i].model] - worth[i]; };
+  const auto deficit = [&](std::size_t i) { return dual_.largest()[kind_of(i)] - worth[i]; };
   std::vector<std::size_t> which;
   for (std::size_t i = 0; i < open.size(); ++i)
     if (deficit(i) <= margin) which.push_back(i);

@@ -19,13 +19,15 @@ Json finite_or_null(double value) {
 }
 
 Json errors_json(const PoseErrors& e) {
-  return {{"translation", e.translation},
-          {"yaw", e.yaw},
-          {"add", e.add},
-          {"add_s", e.add_s},
-          {"mssd", e.mssd},
-          {"mspd_px", finite_or_null(e.mspd)},
-          {"vsd", e.vsd}};
+  Json json{{"translation", e.translation},
+            {"yaw", e.yaw},
+            {"add", e.add},
+            {"add_s", e.add_s},
+            {"mssd", e.mssd},
+            {"mspd_px", finite_or_null(e.mspd)},
+            {"vsd", e.vsd}};
+  if (e.other_rest_pose) json["other_rest_pose"] = true;
+  return json;
 }
 
 Json object_json(const ObjectRecord& object) {

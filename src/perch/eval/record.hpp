@@ -23,6 +23,7 @@ struct PoseErrors {
   double mspd = 0.0;         ///< pixels of an image 640 wide; infinite where the object isn't in front of the
                              ///< camera
   std::array<double, tolerance_count> vsd{};  ///< at each tolerance, in [0, 1]
+  bool other_rest_pose = false;               ///< than the truth's: no threshold holds, and yaw is pi
 };
 
 /// The flat J of the true scene, and of that scene with one object at its estimated pose instead.
@@ -37,7 +38,8 @@ struct Threshold {
   double yaw = 0.0;          ///< radians; pi and more: any yaw
 
   bool holds(const PoseErrors& errors) const {
-    return errors.translation < translation && (errors.yaw < yaw || yaw >= std::numbers::pi);
+    return !errors.other_rest_pose && errors.translation < translation &&
+           (errors.yaw < yaw || yaw >= std::numbers::pi);
   }
 };
 

@@ -51,20 +51,24 @@ Eigen::Isometry3d SceneEvaluator::camera_from_model(std::size_t model, const Pos
 
 std::vector<std::optional<std::size_t>> SceneEvaluator::assigned(const ReportedResult& result) const {
   std::vector<std::optional<std::size_t>> found_for(scene_.truth.size());
-  for (std::size_t model = 0; model < scene_.models.size(); ++model) {
+  for (std::size_t kind = 0; kind < scene_.models.size(); ++kind) {
     std::vector<std::size_t> truths, found;
     for (std::size_t i = 0; i < scene_.truth.size(); ++i)
-      if (scene_.truth[i].model == model) truths.push_back(i);
+      if (scene_.kind(scene_.truth[i].model) == kind) truths.push_back(i);
     for (std::size_t i = 0; i < result.objects.size(); ++i)
-      if (!result.objects[i].absent && result.objects[i].model == model) found.push_back(i);
+      if (!result.objects[i].absent && scene_.kind(result.objects[i].model) == kind) found.push_back(i);
     Eigen::MatrixXd costs(truths.size(), found.size());
     for (std::size_t t = 0; t < truths.size(); ++t)
       for (std::size_t f = 0; f < found.size(); ++f) {
         const TruthPose& truth = scene_.truth[truths[t]];
-        const Pose& pose = result.objects[found[f]].pose;
+        const ReportedObject& object = result.objects[found[f]];
+        const Pose& pose = object.pose;
+        const double turn = object.model == truth.model
+                                ? truth.symmetry.yaw_difference(truth.pose.yaw, pose.yaw)
+                                : std::numbers::pi;
         costs(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(f)) =
             std::min(farthest_pair, translation_error(truth.pose, pose)) +
-            half_turn * truth.symmetry.yaw_difference(truth.pose.yaw, pose.yaw) / std::numbers::pi;
+            half_turn * turn / std::numbers::pi;
       }
     const auto column_of = min_cost_assignment(costs);
     for (std::size_t t = 0; t < truths.size(); ++t)
@@ -73,16 +77,22 @@ std::vector<std::optional<std::size_t>> SceneEvaluator::assigned(const ReportedR
   return found_for;
 }
 
-PoseErrors SceneEvaluator::errors(std::size_t object, const Pose& estimate) const {
+PoseErrors SceneEvaluator::errors(std::size_t object, const PlacedModel& estimate) const {
   const TruthPose& truth = scene_.truth[object];
   const Intrinsics& intrinsics = scene_.camera.intrinsics;
   const Mesh& mesh = scene_.models[truth.model].mesh;
-  const Eigen::Isometry3d estimated = camera_from_model(truth.model, estimate),
-                          true_pose = camera_from_model(truth.model, truth.pose);
+  // In the frame in which the model truly stands, which is its own but for a fixed motion.
+  Eigen::Isometry3d estimated = camera_from_model(estimate.model, estimate.pose);
+  if (estimate.model != truth.model)
+    estimated = estimated * scene_.models[estimate.model].stood_from_model *
+                scene_.models[truth.model].stood_from_model.inverse();
+  const Eigen::Isometry3d true_pose = camera_from_model(truth.model, truth.pose);
   const auto symmetries = symmetry_turns(truth.symmetry);
   PoseErrors errors;
-  errors.translation = translation_error(truth.pose, estimate);
-  errors.yaw = truth.symmetry.yaw_difference(truth.pose.yaw, estimate.yaw);
+  errors.translation = translation_error(truth.pose, estimate.pose);
+  errors.other_rest_pose = estimate.model != truth.model;
+  errors.yaw = errors.other_rest_pose ? std::numbers::pi
+                                      : truth.symmetry.yaw_difference(truth.pose.yaw, estimate.pose.yaw);
   errors.add = average_distance(mesh.vertices, estimated, true_pose);
   errors.add_s = average_nearest_distance(mesh.vertices, estimated, true_pose);
   errors.mssd = largest_surface_distance(mesh.vertices, estimated, true_pose, symmetries);
@@ -93,8 +103,8 @@ PoseErrors SceneEvaluator::errors(std::size_t object, const Pose& estimate) cons
   return errors;
 }
 
-void SceneEvaluator::compare_costs(const std::vector<std::optional<Pose>>& estimates, const CostOf& cost_of,
-                                   SceneRecord& record) const {
+void SceneEvaluator::compare_costs(const std::vector<std::optional<PlacedModel>>& estimates,
+                                   const CostOf& cost_of, SceneRecord& record) const {
   std::vector<PlacedModel> truth;
   for (const TruthPose& object : scene_.truth) truth.push_back({object.model, object.pose});
   std::vector<std::vector<PlacedModel>> arrangements{truth};
@@ -103,7 +113,7 @@ void SceneEvaluator::compare_costs(const std::vector<std::optional<Pose>>& estim
     if (!estimates[i] || tightest_threshold.holds(*record.objects[i].errors)) continue;
     compared.push_back(i);
     arrangements.push_back(truth);
-    arrangements.back()[i].pose = *estimates[i];
+    arrangements.back()[i] = *estimates[i];
   }
   if (compared.empty()) return;
   const std::vector<std::int64_t> costs = cost_of(arrangements);
@@ -116,14 +126,14 @@ SceneRecord SceneEvaluator::evaluate(const ReportedResult& result, const CostOf&
   record.run = RunRecord{result.status, result.stats.seconds.total, result.stats.rendered,
                          result.stats.expanded, result.suboptimality_bound};
   const auto found_for = assigned(result);
-  std::vector<std::optional<Pose>> estimates(found_for.size());
+  std::vector<std::optional<PlacedModel>> estimates(found_for.size());
   record.surplus = static_cast<std::size_t>(std::count_if(result.objects.begin(), result.objects.end(),
                                                           [](const ReportedObject& o) { return !o.absent; }));
   for (std::size_t i = 0; i < found_for.size(); ++i) {
     if (!found_for[i]) continue;
     const ReportedObject& found = result.objects[*found_for[i]];
-    estimates[i] = found.pose;
-    record.objects[i].errors = errors(i, found.pose);
+    estimates[i] = PlacedModel{found.model, found.pose};
+    record.objects[i].errors = errors(i, *estimates[i]);
     record.objects[i].confidence = found.confidence;
     --record.surplus;
   }

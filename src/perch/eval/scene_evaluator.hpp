@@ -39,9 +39,10 @@ class SceneEvaluator {
  private:
   /// Of each true object the one in `result.objects` that stands for it.
   std::vector<std::optional<std::size_t>> assigned(const ReportedResult& result) const;
-  PoseErrors errors(std::size_t object, const Pose& estimate) const;
-  void compare_costs(const std::vector<std::optional<Pose>>& estimates, const CostOf& cost_of,
+  PoseErrors errors(std::size_t object, const PlacedModel& estimate) const;
+  void compare_costs(const std::vector<std::optional<PlacedModel>>& estimates, const CostOf& cost_of,
                      SceneRecord& record) const;
+  /// Of the mesh as it stands.
   Eigen::Isometry3d camera_from_model(std::size_t model, const Pose& pose) const;
 
   const Scene& scene_;

@@ -27,6 +27,10 @@ PlacedModel placed_model(const YamlFields& fields, const std::vector<SceneModel>
   placed.pose.x = fields.required("x", remedy).number("metres");
   placed.pose.y = fields.required("y", remedy).number("metres");
   placed.pose.yaw = fields.required("yaw", remedy).number("radians");
+  if (const YamlEntry* entry = fields.optional("rest_pose")) {
+    const auto poses = static_cast<int>(rest_pose_count(models, placed.model));
+    placed.model += static_cast<std::size_t>(entry->integer(0, poses - 1));
+  }
   return placed;
 }
 

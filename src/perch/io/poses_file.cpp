@@ -17,7 +17,7 @@ namespace {
 std::vector<PlacedModel> read_list(const YamlEntry& list, const Scene& scene) {
   std::vector<PlacedModel> placed;
   for (const YamlEntry& item : list.items("{model, x, y, yaw}"))
-    placed.push_back(placed_model(item.fields({"model", "x", "y", "yaw"}), scene.models));
+    placed.push_back(placed_model(item.fields(placed_model_keys), scene.models));
   return placed;
 }
 

@@ -16,7 +16,7 @@ namespace {
 /// The file's entries as values; holds what they are checked against.
 class ResultReader {
  public:
-  explicit ResultReader(const Scene& scene) {
+  explicit ResultReader(const Scene& scene) : scene_(scene) {
     for (const SceneModel& model : scene.models) names_.push_back(as_json_holds(model.name));
   }
 
@@ -41,7 +41,7 @@ class ResultReader {
     else
       result.guarantee = without_guarantee(root);
     for (const JsonEntry& entry : records(root["search_objects"]))
-      result.search_objects.push_back({model(entry["model"]), pose(entry)});
+      result.search_objects.push_back({body(entry), pose(entry)});
     for (const JsonEntry& entry : records(root["objects"])) result.objects.push_back(object(entry));
     result.stats = stats(root["stats"]);
     return result;
@@ -152,9 +152,26 @@ class ResultReader {
     return static_cast<std::size_t>(found - names_.begin());
   }
 
+  /// Which of a model's orientations an entry is of, 0 where it doesn't say.
+  int rest_pose(const JsonEntry& entry, std::size_t model) const {
+    if (!entry.contains("rest_pose")) return 0;
+    const JsonEntry value = entry["rest_pose"];
+    const std::int64_t index = value.integer();
+    const auto poses = static_cast<std::int64_t>(rest_pose_count(scene_.models, model));
+    if (index < 0 || index >= poses)
+      value.fail(fmt::format("{} is no rest pose of the model; give a number from 0 to {}", value.value(),
+                             poses - 1));
+    return static_cast<int>(index);
+  }
+
+  std::size_t body(const JsonEntry& entry) const {
+    const std::size_t first = model(entry["model"]);
+    return first + static_cast<std::size_t>(rest_pose(entry, first));
+  }
+
   ReportedObject object(const JsonEntry& entry) const {
     ReportedObject object;
-    object.model = model(entry["model"]);
+    object.model = body(entry);
     object.absent = entry.contains("absent") && entry["absent"].boolean();
     if (object.absent) return object;
     object.pose = pose(entry);
@@ -167,7 +184,9 @@ class ResultReader {
       object.confidence = entry["confidence"].number();
     if (entry.contains("runner_up") && !entry["runner_up"].is_null()) {
       const JsonEntry other = entry["runner_up"];
-      object.runner_up = RunnerUp{pose(other), other["cost_increase"].integer()};
+      object.runner_up = RunnerUp{pose(other), other["cost_increase"].integer(), std::nullopt};
+      if (rest_pose_count(scene_.models, object.model) > 1)
+        object.runner_up->rest_pose = rest_pose(other, scene_.kind(object.model));
     }
     return object;
   }
@@ -202,6 +221,7 @@ class ResultReader {
     return s;
   }
 
+  const Scene& scene_;
   std::vector<std::string> names_;  ///< of the scene's models, as written
 };
 

@@ -13,7 +13,7 @@ namespace perch {
 
 /// One record of `objects` as a result.json states it.
 struct ReportedObject {
-  std::size_t model = 0;  ///< counts into Scene::models
+  std::size_t model = 0;  ///< counts into Scene::models: the body, the first of its model where absent
   bool absent = false;    ///< no pose is stated: nothing below holds
   Pose pose;
   Eigen::Matrix4d world_from_model = Eigen::Matrix4d::Identity();

@@ -22,27 +22,37 @@ Json matrix(const Eigen::Isometry3d& transform) {
   return rows;
 }
 
+/// Where an object stands; how it rests only of a model that may rest in several ways.
+Json pose_value(const Pose& pose, const std::optional<int>& rest_pose) {
+  Json json{{"x", pose.x}, {"y", pose.y}, {"yaw", pose.yaw}};
+  if (rest_pose) json["rest_pose"] = *rest_pose;
+  return json;
+}
+
 Json to_value(const RunnerUp& r) {
-  return {{"x", r.pose.x}, {"y", r.pose.y}, {"yaw", r.pose.yaw}, {"cost_increase", r.cost_increase}};
+  Json json = pose_value(r.pose, r.rest_pose);
+  json["cost_increase"] = r.cost_increase;
+  return json;
 }
 
 Json to_value(const ObjectResult& o) {
   if (o.absent) return {{"model", o.model}, {"absent", true}};
-  return {{"model", o.model},
-          {"x", o.pose.x},
-          {"y", o.pose.y},
-          {"yaw", o.pose.yaw},
-          {"world_from_model", matrix(o.world_from_model)},
-          {"camera_from_model", matrix(o.camera_from_model)},
-          {"visible_pixels", o.visible_pixels},
-          {"visible_fraction", o.visible_fraction},
-          {"explained_fraction", o.explained_fraction},
-          {"confidence", or_null(o.confidence)},
-          {"runner_up", o.runner_up ? to_value(*o.runner_up) : Json(nullptr)}};
+  Json json{{"model", o.model}};
+  json.update(pose_value(o.pose, o.rest_pose));
+  json.update(Json{{"world_from_model", matrix(o.world_from_model)},
+                   {"camera_from_model", matrix(o.camera_from_model)},
+                   {"visible_pixels", o.visible_pixels},
+                   {"visible_fraction", o.visible_fraction},
+                   {"explained_fraction", o.explained_fraction},
+                   {"confidence", or_null(o.confidence)},
+                   {"runner_up", o.runner_up ? to_value(*o.runner_up) : Json(nullptr)}});
+  return json;
 }
 
 Json to_value(const ResultPose& p) {
-  return {{"model", p.model}, {"x", p.pose.x}, {"y", p.pose.y}, {"yaw", p.pose.yaw}};
+  Json json{{"model", p.model}};
+  json.update(pose_value(p.pose, p.rest_pose));
+  return json;
 }
 
 /// What the costs of a result without a guarantee are counted with.

@@ -157,11 +157,38 @@ class MeshShelf {
   std::map<std::pair<fs::path, LengthUnit>, Mesh> meshes_;
 };
 
-SceneModel read_model(const std::string& name, const YamlEntry& entry, const fs::path& folder,
-                      MeshShelf& shelf) {
+/// The directions of the model's frame that may point up, unit length.
+std::vector<Eigen::Vector3d> read_rest_poses(const YamlEntry& entry) {
+  constexpr std::size_t most = 64;
+  constexpr double least_angle = 1e-4;  // radians: two that differ by less are one
+  if (entry.is_scalar() && entry.text() == "auto")
+    entry.fail("\"auto\": finding rest poses is not built yet; list the directions that may point up");
+  const auto items = entry.items("directions of the model that may point up");
+  if (items.empty()) entry.fail("is empty; list the directions of the model that may point up, as [0, 0, 1]");
+  if (items.size() > most) entry.fail(fmt::format("has {} entries; give at most {}", items.size(), most));
+  std::vector<Eigen::Vector3d> ups;
+  for (const YamlEntry& item : items) {
+    const auto numbers = item.items("three numbers");
+    if (numbers.size() != 3)
+      item.fail(fmt::format("has {} values; give a direction as [x, y, z]", numbers.size()));
+    Eigen::Vector3d up;
+    for (int i = 0; i < 3; ++i) up[i] = numbers[static_cast<std::size_t>(i)].number("a part of a direction");
+    const double longest = up.cwiseAbs().maxCoeff();
+    if (!(longest > 0.0)) item.fail("has no direction; give one that is not [0, 0, 0]");
+    up = (up / longest).normalized();  // scaled first: squares may not fit
+    for (std::size_t i = 0; i < ups.size(); ++i)
+      if ((ups[i] - up).norm() < least_angle)
+        item.fail(fmt::format("is the direction of entry {} again; give each once", i));
+    ups.push_back(up);
+  }
+  return ups;
+}
+
+std::vector<SceneModel> read_model(const std::string& name, const YamlEntry& entry, const fs::path& folder,
+                                   MeshShelf& shelf) {
   constexpr double farthest_base = 5.0;
   if (name.empty()) entry.fail("a model has no name; name it");
-  const YamlFields fields = entry.fields({"mesh", "unit", "symmetry", "base"});
+  const YamlFields fields = entry.fields({"mesh", "unit", "symmetry", "base", "rest_poses"});
   SceneModel model;
   model.name = name;
   LengthUnit unit = LengthUnit::metres;
@@ -181,13 +208,16 @@ SceneModel read_model(const std::string& name, const YamlEntry& entry, const fs:
   }
   const YamlEntry& mesh = fields.required("mesh", "name a mesh file");
   model.mesh = at_key(mesh, [&] { return shelf.get(beside(folder, mesh), unit, entry.key() + ".unit"); });
-  return model;
+  std::vector<Eigen::Vector3d> ups{Eigen::Vector3d::UnitZ()};
+  if (const YamlEntry* rest_poses = fields.optional("rest_poses")) ups = read_rest_poses(*rest_poses);
+  return bodies_of(model, ups);
 }
 
 std::vector<SceneModel> read_models(const YamlEntry& entry, const fs::path& folder) {
   std::vector<SceneModel> models;
   MeshShelf shelf;
-  for (const auto& [name, model] : entry.pairs()) models.push_back(read_model(name, model, folder, shelf));
+  for (const auto& [name, model] : entry.pairs())
+    for (SceneModel& body : read_model(name, model, folder, shelf)) models.push_back(std::move(body));
   if (models.empty()) entry.fail("holds no model; give at least one");
   return models;
 }
@@ -214,7 +244,9 @@ std::vector<SceneObject> read_objects(const YamlEntry& entry, const std::vector<
 std::vector<TruthPose> read_truth(const YamlEntry& entry, const std::vector<SceneModel>& models) {
   std::vector<TruthPose> truth;
   for (const YamlEntry& item : entry.items("{model, x, y, yaw}")) {
-    const YamlFields fields = item.fields({"model", "x", "y", "yaw", "symmetry"});
+    std::vector<std::string> keys = placed_model_keys;
+    keys.push_back("symmetry");
+    const YamlFields fields = item.fields(keys);
     const PlacedModel placed = placed_model(fields, models);
     const YamlEntry* symmetry = fields.optional("symmetry");
     truth.push_back(
@@ -245,7 +277,7 @@ Scene read_checked(const fs::path& scene_file) {
   scene.objects = read_objects(objects, scene.models);
   if (const YamlEntry* priors = fields.optional("priors"))
     for (const YamlEntry& item : priors->items("{model, x, y, yaw}"))
-      scene.priors.push_back(placed_model(item.fields({"model", "x", "y", "yaw"}), scene.models));
+      scene.priors.push_back(placed_model(item.fields(placed_model_keys), scene.models));
   if (const YamlEntry* truth = fields.optional("truth")) scene.truth = read_truth(*truth, scene.models);
   return scene;
 }

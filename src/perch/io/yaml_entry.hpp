@@ -40,6 +40,7 @@ class YamlEntry {
   /// true or false, unquoted.
   bool boolean() const;
   bool is_map() const { return node_.IsMap(); }
+  bool is_scalar() const { return node_.IsScalar(); }
   bool is_quoted() const { return node_.IsScalar() && node_.Tag() == "!"; }
 
   /// The elements of a list. \param of what they are, for the message.

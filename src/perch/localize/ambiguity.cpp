@@ -9,6 +9,7 @@
 #include "perch/candidates/candidate_floor.hpp"
 #include "perch/localize/polish.hpp"
 #include "perch/localize/pose_descent.hpp"
+#include "perch/localize/report.hpp"
 
 namespace perch {
 namespace {
@@ -19,14 +20,14 @@ constexpr double close_call = 10.0;    // increases above this many roots of the
 constexpr double significant = 0.5;    // an increase of this many roots of the support tells two poses apart
 constexpr double least_evidence = 100.0;  // points: fewer can lie anywhere by chance
 
-/// The poses that count as the answer's own.
+/// The poses that count as the answer's own: of the same body alone.
 class Neighbourhood {
  public:
-  Neighbourhood(const Pose& centre, const Symmetry& symmetry, const AmbiguitySettings& settings)
-      : centre_(centre), symmetry_(symmetry), settings_(settings) {}
+  Neighbourhood(const TrialResult& centre, const Symmetry& symmetry, const AmbiguitySettings& settings)
+      : body_(centre.model), centre_(centre.pose), symmetry_(symmetry), settings_(settings) {}
 
-  bool contains(const Pose& pose) const {
-    return std::hypot(pose.x - centre_.x, pose.y - centre_.y) <= settings_.distance &&
+  bool contains(std::size_t body, const Pose& pose) const {
+    return body == body_ && std::hypot(pose.x - centre_.x, pose.y - centre_.y) <= settings_.distance &&
            symmetry_.yaw_difference(pose.yaw, centre_.yaw) <= settings_.yaw;
   }
 
@@ -44,6 +45,7 @@ class Neighbourhood {
   }
 
  private:
+  std::size_t body_;
   Pose centre_;
   const Symmetry& symmetry_;
   const AmbiguitySettings& settings_;
@@ -77,13 +79,14 @@ class Judge {
         answer->cost +
         static_cast<std::int64_t>(
             close_call * std::sqrt(static_cast<double>(std::max<std::int64_t>(1, judgement.support))));
-    const Neighbourhood own(answer->pose, trials_.model().symmetry(), settings_);
+    const Neighbourhood own(*answer, trials_.model().symmetry(), settings_);
     if (!find_others(own) || !move_downhill(own)) return std::nullopt;
 
     std::optional<std::int64_t> increase;
     if (!found_.empty()) {
       increase = found_.front().cost - answer->cost;
-      judgement.runner_up = RunnerUp{found_.front().pose, *increase};
+      judgement.runner_up =
+          RunnerUp{found_.front().pose, *increase, rest_pose(problem_, found_.front().model)};
     }
     judgement.confidence = confidence(judgement.visible, judgement.support, increase);
     const TrialOrder order(trials_, *answer, descent_);
@@ -106,27 +109,30 @@ class Judge {
     const CandidateFloor floor_of(problem_.cost(), trials_.others());
     struct Other {
       std::int64_t floor;
+      std::size_t body;
       Pose pose;
     };
     std::vector<Other> order;
+    const std::size_t kind = problem_.kind_of(trials_.model_number());
     const CandidateSet& set = candidates_.set();
     for (CandidateId id = 0; id < set.size(); ++id)
-      if (set[id].model == trials_.model_number() && !set[id].absent && !own.contains(set[id].pose))
-        order.push_back({floor_of(set[id]), set[id].pose});
+      if (set.kind(id) == kind && !set[id].absent && !own.contains(set[id].model, set[id].pose))
+        order.push_back({floor_of(set[id]), set[id].model, set[id].pose});
     const auto& open = candidates_.open();
-    std::vector<int> wanted(problem_.models().size(), 0);
-    wanted[trials_.model_number()] = 1;
+    std::vector<int> wanted(problem_.kinds(), 0);
+    wanted[kind] = 1;
     const auto explained = candidates_.most_explained(
         {weights_outside(trials_.others().observed, problem_.observation().size())}, wanted);
     for (std::size_t i = 0; i < open.size(); ++i)
-      if (open[i].model == trials_.model_number() && !own.contains(open[i].pose))
-        order.push_back({floor_of(explained[i], open[i].window), open[i].pose});
+      if (problem_.kind_of(open[i].model) == kind && !own.contains(open[i].model, open[i].pose))
+        order.push_back({floor_of(explained[i], open[i].window), open[i].model, open[i].pose});
     std::stable_sort(order.begin(), order.end(),
                      [](const Other& a, const Other& b) { return a.floor < b.floor; });
     for (std::size_t i = 0; i < order.size() && left_ > 0;) {
       batch_.clear();
       for (; i < order.size() && batch_.size() < batch_size; ++i)
-        if (found_.empty() || order[i].floor < found_.front().cost) batch_.push_back({order[i].pose});
+        if (found_.empty() || order[i].floor < found_.front().cost)
+          batch_.push_back({order[i].pose, false, order[i].body});
       if (batch_.empty()) break;
       if (!run_batch(own)) return false;
     }
@@ -140,13 +146,15 @@ class Judge {
     for (const TrialResult& other : found_) {
       if (starts.size() == static_cast<std::size_t>(settings_.descents) || other.cost > close_limit_) break;
       if (std::none_of(starts.begin(), starts.end(), [&](const TrialResult& start) {
-            return Neighbourhood(start.pose, trials_.model().symmetry(), settings_).contains(other.pose);
+            return Neighbourhood(start, trials_.model(start.model).symmetry(), settings_)
+                .contains(other.model, other.pose);
           }))
         starts.push_back(other);
     }
     PoseDescent descent(trials_, descent_, left_);
     for (const TrialResult& start : starts) {
-      found_.push_back(descent.run(start, false, [&](const Pose& pose) { return !own.contains(pose); }));
+      found_.push_back(
+          descent.run(start, false, [&](const Pose& pose) { return !own.contains(start.model, pose); }));
       if (trials_.stopped()) return false;
     }
     sort_found();
@@ -160,7 +168,7 @@ class Judge {
                                              : std::max(close_limit_, found_.front().cost);
     if (!trials_.run(batch_, most, answers_)) return false;
     for (const auto& answer : answers_)
-      if (answer && !own.contains(answer->pose)) found_.push_back(*answer);
+      if (answer && !own.contains(answer->model, answer->pose)) found_.push_back(*answer);
     sort_found();
     return true;
   }
@@ -227,7 +235,7 @@ JudgedScene judge(const LocalizationProblem& problem, const FixedCandidates& can
       return judged;
     }
     const auto place = static_cast<std::size_t>(replaced - outcomes.begin());
-    judged.scene.placed[place].pose = replaced->better->pose;
+    judged.scene.placed[place] = {replaced->better->model, replaced->better->pose};
     judged.scene.cost = replaced->better->cost;
     judged.scene = polish(problem, makers, executor, judged.scene, polish_settings, stop);
   }

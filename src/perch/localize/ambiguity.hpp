@@ -24,7 +24,7 @@ struct JudgedScene {
   std::vector<ObjectJudgement> objects;  ///< as placed in the scene; empty where nothing was judged
 };
 
-/// Looks for the runner-up of every object: among all candidates of its model, valued or not, outside the
+/// Looks for the runner-up of every object: among all candidates of its kind, valued or not, outside the
 /// neighbourhood of its pose, and just outside that neighbourhood; the best few are moved downhill as the
 /// polish moves the answer. Where one turns out better than the answer, by the rule of the polish, it takes
 /// its place and all is judged anew. The same for every executor. Where the stop condition strikes, the best

@@ -24,8 +24,8 @@ class Enumerator {
   Enumerator(const LocalizationProblem& problem, const CandidateSet& set, CandidateMaker& maker,
              const MonotoneSettings* monotone, const StopCondition& stop)
       : problem_(problem), set_(set), maker_(maker), monotone_(monotone), stop_(stop) {
-    for (std::size_t model = 0; model < problem.models().size(); ++model)
-      for (int copy = 0; copy < problem.copies()[model]; ++copy) models_.push_back(model);
+    for (std::size_t kind = 0; kind < problem.kinds(); ++kind)
+      for (int copy = 0; copy < problem.copies()[kind]; ++copy) kinds_.push_back(kind);
   }
 
   Enumeration run(std::size_t first) {
@@ -34,23 +34,23 @@ class Enumerator {
   }
 
  private:
-  /// Places the next object at the i-th candidate of its model, and then all that follow.
+  /// Places the next object at the i-th candidate of its kind, and then all that follow.
   void place(std::size_t i, const Composite& before) {
     if (stop_()) result_.complete = false;
     if (!result_.complete) return;
-    const std::size_t model = models_[placed_.size()];
-    const CandidateId id = set_.of_model(model)[i];
+    const std::size_t kind = kinds_[placed_.size()];
+    const CandidateId id = set_.of_kind(kind)[i];
     if (std::any_of(placed_.begin(), placed_.end(),
                     [&](CandidateId other) { return problem_.collide(set_[id], set_[other]); }))
       return;
     Composite composite = before;
     maker_.add(composite, set_[id]);
     placed_.push_back(id);
-    if (placed_.size() == models_.size()) {
+    if (placed_.size() == kinds_.size()) {
       value(composite);
     } else {
-      const bool repeat = models_[placed_.size()] == model;
-      const std::size_t choices = set_.of_model(models_[placed_.size()]).size();
+      const bool repeat = kinds_[placed_.size()] == kind;
+      const std::size_t choices = set_.of_kind(kinds_[placed_.size()]).size();
       for (std::size_t next = repeat ? i : 0; next < choices; ++next) place(next, composite);
     }
     placed_.pop_back();
@@ -76,7 +76,7 @@ class Enumerator {
   CandidateMaker& maker_;
   const MonotoneSettings* monotone_;
   const StopCondition& stop_;
-  std::vector<std::size_t> models_;
+  std::vector<std::size_t> kinds_;  ///< of the objects, ascending
   std::vector<CandidateId> placed_;
   Enumeration result_;
 };
@@ -87,18 +87,18 @@ Enumeration enumerate_scenes(const LocalizationProblem& problem, const Candidate
                              std::vector<CandidateMaker>& makers, const Executor& executor,
                              const MonotoneSettings* monotone, const StopCondition& stop) {
   double ways = 1.0;
-  std::size_t first_model = problem.models().size();
-  for (std::size_t model = 0; model < problem.models().size(); ++model) {
-    if (problem.copies()[model] == 0) continue;
-    first_model = std::min(first_model, model);
-    ways *= multisets(set.of_model(model).size(), problem.copies()[model]);
+  std::size_t first_kind = problem.kinds();
+  for (std::size_t kind = 0; kind < problem.kinds(); ++kind) {
+    if (problem.copies()[kind] == 0) continue;
+    first_kind = std::min(first_kind, kind);
+    ways *= multisets(set.of_kind(kind).size(), problem.copies()[kind]);
   }
   if (ways > most_scenes)
     throw InputError(
         fmt::format("there are {:.3g} ways to place the objects, more than {:.0f} can be enumerated; use "
                     "larger --resolution or --yaw-resolution-deg, a smaller workspace, or a search",
                     ways, most_scenes));
-  std::vector<Enumeration> parts(set.of_model(first_model).size());
+  std::vector<Enumeration> parts(set.of_kind(first_kind).size());
   const bool complete = executor.for_each(
       parts.size(),
       [&](std::size_t i, std::size_t worker) {

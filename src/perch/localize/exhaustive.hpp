@@ -14,7 +14,7 @@ struct Enumeration {
 };
 
 /// Values every scene of a fixed set: each way to choose one candidate for each object that is free of
-/// collisions, copies of a model in no order. \param monotone only scenes that some order builds
+/// collisions, copies of a kind in no order. \param monotone only scenes that some order builds
 /// monotonically; nullptr: all. Throws InputError where there are more than 10 million ways to choose.
 Enumeration enumerate_scenes(const LocalizationProblem& problem, const CandidateSet& set,
                              std::vector<CandidateMaker>& makers, const Executor& executor,

@@ -43,7 +43,7 @@ Result report_given_poses(const Scene& scene, const std::vector<std::optional<Po
   std::vector<PlacedModel> placed;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!poses[i]) continue;
-    const std::size_t model = problem->objects()[i];
+    const std::size_t model = problem->bodies_of(problem->objects()[i]).front();
     Pose pose = *poses[i];
     pose.yaw = problem->models()[model].symmetry().canonical_yaw(pose.yaw);
     placed.push_back({model, pose});

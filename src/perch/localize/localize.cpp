@@ -104,12 +104,16 @@ class Localization {
   }
 
   std::optional<std::string> object_without_pose() const {
-    std::vector<char> open(problem_->models().size(), 0);
-    for (const FixedCandidates::Hypothesis& hypothesis : candidates_.open()) open[hypothesis.model] = 1;
-    for (std::size_t model = 0; model < problem_->models().size(); ++model)
-      if (problem_->copies()[model] > 0 && !open[model] && candidates_.set().of_model(model).empty())
-        return fmt::format("{} has no valid pose: at none of its {:.0f} grid poses is any of it in view",
-                           problem_->models()[model].name(), problem_->grid(model).size());
+    std::vector<char> open(problem_->kinds(), 0);
+    for (const FixedCandidates::Hypothesis& hypothesis : candidates_.open())
+      open[problem_->kind_of(hypothesis.model)] = 1;
+    for (std::size_t kind = 0; kind < problem_->kinds(); ++kind) {
+      if (problem_->copies()[kind] == 0 || open[kind] || !candidates_.set().of_kind(kind).empty()) continue;
+      double poses = 0.0;
+      for (const std::size_t model : problem_->bodies_of(kind)) poses += problem_->grid(model).size();
+      return fmt::format("{} has no valid pose: at none of its {:.0f} grid poses is any of it in view",
+                         problem_->models()[problem_->bodies_of(kind).front()].name(), poses);
+    }
     return std::nullopt;
   }
 

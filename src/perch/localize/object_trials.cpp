@@ -59,12 +59,12 @@ std::int64_t ObjectTrials::explained_points(const DepthPatch& patch) const {
                        [&](int u, int v, float z) { return problem_.cost().index().explained(u, v, z); });
 }
 
-bool ObjectTrials::fits(const Pose& pose) const {
-  const Workspace& workspace = problem_.workspace(model_);
+bool ObjectTrials::fits(std::size_t model, const Pose& pose) const {
+  const Workspace& workspace = problem_.workspace(model);
   return pose.x >= workspace.x_min && pose.x <= workspace.x_max && pose.y >= workspace.y_min &&
          pose.y <= workspace.y_max &&
          std::none_of(standing_.begin(), standing_.end(), [&](const PlacedModel& other) {
-           return problem_.collide(model_, pose, other.model, other.pose);
+           return problem_.collide(model, pose, other.model, other.pose);
          });
 }
 
@@ -79,17 +79,18 @@ bool ObjectTrials::run(const std::vector<Trial>& trials, std::int64_t most,
 
 std::optional<TrialResult> ObjectTrials::run_one(const Pose& pose) {
   ++count_;
-  return run({pose, false}, std::numeric_limits<std::int64_t>::max(), own_);
+  return run({pose}, std::numeric_limits<std::int64_t>::max(), own_);
 }
 
 std::optional<TrialResult> ObjectTrials::run(const Trial& trial, std::int64_t most,
                                              CandidateMaker& maker) const {
+  const std::size_t body = trial.model.value_or(model_);
   Pose pose = trial.pose;
-  pose.yaw = model().symmetry().canonical_yaw(pose.yaw);
-  if (!trial.align && !fits(pose)) return std::nullopt;
-  const auto placing = maker.place(others_, model_, pose, trial.align, most);
-  if (!placing || (trial.align && !fits(placing->pose))) return std::nullopt;
-  return TrialResult{placing->pose, placing->counts.total(), placing->residual};
+  pose.yaw = model(body).symmetry().canonical_yaw(pose.yaw);
+  if (!trial.align && !fits(body, pose)) return std::nullopt;
+  const auto placing = maker.place(others_, body, pose, trial.align, most);
+  if (!placing || (trial.align && !fits(body, placing->pose))) return std::nullopt;
+  return TrialResult{placing->pose, placing->counts.total(), placing->residual, body};
 }
 
 }  // namespace perch

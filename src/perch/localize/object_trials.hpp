@@ -22,6 +22,7 @@ struct ArrangedScene {
 struct Trial {
   Pose pose;
   bool align = false;
+  std::optional<std::size_t> model = std::nullopt;  ///< another body of the object's kind; else its own
 };
 
 /// The pose that was tried, and what the scene is worth with the object there.
@@ -29,6 +30,7 @@ struct TrialResult {
   Pose pose;
   std::int64_t cost = 0;  ///< J
   double residual = 0.0;  ///< as Placing::residual
+  std::size_t model = 0;  ///< the body
 };
 
 /// The rendering of each object of a scene, drawn again only where the object has moved.
@@ -62,14 +64,15 @@ class ObjectTrials {
   /// Takes the object at `place` out of a scene; the trials that follow put it back. \param drawings of this
   /// scene.
   void take_out(const std::vector<PlacedModel>& scene, std::size_t place, const SceneDrawings& drawings);
-  const ObjectModel& model() const { return problem_.models()[model_]; }
+  const ObjectModel& model() const { return model(model_); }
+  const ObjectModel& model(std::size_t number) const { return problem_.models()[number]; }
   std::size_t model_number() const { return model_; }
   /// The other objects.
   const Composite& others() const { return others_; }
   /// J of the other objects alone.
   std::int64_t cost_without() const { return problem_.cost().counts(others_).total(); }
   /// True where the object would lie in its workspace and touch none of the others.
-  bool fits(const Pose& pose) const;
+  bool fits(const Pose& pose) const { return fits(model_, pose); }
 
   /// How many points of a drawing are in view beside the others.
   std::int64_t visible_points(const DepthPatch& patch) const;
@@ -90,6 +93,7 @@ class ObjectTrials {
  private:
   template <typename Wanted>
   std::int64_t count_visible(const DepthPatch& patch, const Wanted& wanted) const;
+  bool fits(std::size_t model, const Pose& pose) const;
   std::optional<TrialResult> run(const Trial& trial, std::int64_t most, CandidateMaker& maker) const;
 
   const LocalizationProblem& problem_;

@@ -20,19 +20,21 @@ TrialResult PoseDescent::run(const TrialResult& start, bool turn, const Region& 
 }
 
 void PoseDescent::realign(bool turn) {
-  const Symmetry& symmetry = trials_.model().symmetry();
-  batch_.assign(1, {at_.pose, true});
+  const Symmetry& symmetry = trials_.model(at_.model).symmetry();
+  batch_.clear();
+  add(at_.pose, true);
   if (turn && !symmetry.is_continuous())
     for (int k = 1; k <= settings_.turns; ++k) {
       const double yaw = at_.pose.yaw + symmetry.period() * k / (settings_.turns + 1);
-      batch_.push_back({{at_.pose.x, at_.pose.y, yaw}, true});
+      add({at_.pose.x, at_.pose.y, yaw}, true);
     }
   run_batch();
 }
 
 void PoseDescent::search_pattern() {
-  const double arm = std::max(trials_.model().radius(), settings_.largest_step);
-  const bool turns = !trials_.model().symmetry().is_continuous();
+  const ObjectModel& model = trials_.model(at_.model);
+  const double arm = std::max(model.radius(), settings_.largest_step);
+  const bool turns = !model.symmetry().is_continuous();
   // Two step lengths at a time keep more workers busy, and cost no more than one after the other where none
   // helps.
   for (double step = settings_.largest_step; step >= settings_.smallest_step && going_;) {
@@ -41,9 +43,9 @@ void PoseDescent::search_pattern() {
     batch_.clear();
     for (double length = step; length >= std::max(0.5 * step, settings_.smallest_step); length *= 0.5)
       for (const double way : {length, -length}) {
-        batch_.push_back({{from.x + way, from.y, from.yaw}, false});
-        batch_.push_back({{from.x, from.y + way, from.yaw}, false});
-        if (turns) batch_.push_back({{from.x, from.y, from.yaw + way / arm}, false});
+        add({from.x + way, from.y, from.yaw}, false);
+        add({from.x, from.y + way, from.yaw}, false);
+        if (turns) add({from.x, from.y, from.yaw + way / arm}, false);
       }
     if (run_batch())
       extend(before);
@@ -69,8 +71,9 @@ void PoseDescent::extend(const TrialResult& before) {
     if (axis == 1) together.y = pose.y;
     if (axis == 2) together.yaw = pose.yaw;
   }
-  batch_.assign(1, {{2.0 * best.x - from.x, 2.0 * best.y - from.y, 2.0 * best.yaw - from.yaw}, false});
-  if (!(together == best)) batch_.push_back({together, false});
+  batch_.clear();
+  add({2.0 * best.x - from.x, 2.0 * best.y - from.y, 2.0 * best.yaw - from.yaw}, false);
+  if (!(together == best)) add(together, false);
   run_batch();
 }
 

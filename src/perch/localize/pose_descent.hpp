@@ -29,8 +29,8 @@ class TrialOrder {
   double weight_ = 0.0;
 };
 
-/// Moves one object of a scene downhill while the others stay: ICP with the others in front, then a pattern
-/// search in x, y and yaw. Every step improves on the one before by TrialOrder.
+/// Moves one object of a scene downhill, as the body that it is, while the others stay: ICP with the others
+/// in front, then a pattern search in x, y and yaw. Every step improves on the one before by TrialOrder.
 class PoseDescent {
  public:
   /// Where an object may go; empty: anywhere that it fits.
@@ -60,6 +60,9 @@ class PoseDescent {
   const Region* region_ = nullptr;
   TrialOrder order_;
   TrialResult at_;
+  /// Adds a pose of the body that is being moved to the batch.
+  void add(const Pose& pose, bool align) { batch_.push_back({pose, align, at_.model}); }
+
   std::vector<Trial> batch_;
   std::size_t taken_ = 0;  ///< of the batch, where it lowered the value
   std::vector<std::optional<TrialResult>> answers_;

@@ -116,7 +116,11 @@ std::vector<PlacedModel> placed_objects(const Scene& scene, const Result& result
                                     [&](const SceneModel& m) { return m.name == object.model; });
     if (model == scene.models.end())
       throw std::logic_error("placed_objects: the scene has no model " + object.model);
-    placed.push_back({static_cast<std::size_t>(model - scene.models.begin()), object.pose});
+    const auto first = static_cast<std::size_t>(model - scene.models.begin());
+    const auto rest = static_cast<std::size_t>(object.rest_pose.value_or(0));
+    if (rest >= rest_pose_count(scene.models, first))
+      throw std::logic_error("placed_objects: the scene has no such rest pose of " + object.model);
+    placed.push_back({first + rest, object.pose});
   }
   return placed;
 }

@@ -43,7 +43,7 @@ SceneRendering render_scene(const Scene& scene, const std::vector<PlacedModel>& 
                             const Settings& settings, const Executor& executor);
 
 /// The objects of a result as poses of the scene's models, in the result's order. Throws std::logic_error
-/// where the result names a model that the scene doesn't have.
+/// where the result names a model or a rest pose that the scene doesn't have.
 std::vector<PlacedModel> placed_objects(const Scene& scene, const Result& result);
 
 }  // namespace perch

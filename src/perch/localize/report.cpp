@@ -31,15 +31,21 @@ CostRecord record_of(const CostCounts& counts) {
 
 }  // namespace
 
+std::optional<int> rest_pose(const LocalizationProblem& problem, std::size_t body) {
+  const RestPose& rest = problem.models()[body].rest();
+  return rest.only ? std::nullopt : std::optional(rest.index);
+}
+
 std::vector<PlacedModel> in_scene_order(const LocalizationProblem& problem, std::vector<PlacedModel> placed) {
-  std::sort(placed.begin(), placed.end(), [](const PlacedModel& a, const PlacedModel& b) {
-    return std::tuple(a.model, a.pose.x, a.pose.y, a.pose.yaw) <
-           std::tuple(b.model, b.pose.x, b.pose.y, b.pose.yaw);
-  });
+  const auto rank = [&](const PlacedModel& p) {
+    return std::tuple(problem.kind_of(p.model), p.pose.x, p.pose.y, p.pose.yaw, p.model);
+  };
+  std::sort(placed.begin(), placed.end(),
+            [&](const PlacedModel& a, const PlacedModel& b) { return rank(a) < rank(b); });
   std::vector<PlacedModel> ordered;
-  for (const std::size_t model : problem.objects()) {
-    const auto next =
-        std::find_if(placed.begin(), placed.end(), [&](const PlacedModel& p) { return p.model == model; });
+  for (const std::size_t kind : problem.objects()) {
+    const auto next = std::find_if(placed.begin(), placed.end(),
+                                   [&](const PlacedModel& p) { return problem.kind_of(p.model) == kind; });
     if (next == placed.end()) continue;
     ordered.push_back(*next);
     placed.erase(next);
@@ -51,7 +57,8 @@ void report_search(const LocalizationProblem& problem, const std::vector<PlacedM
                    Result& result) {
   result.search_objects.clear();
   for (const PlacedModel& object : in_scene_order(problem, placed))
-    result.search_objects.push_back({problem.models()[object.model].name(), object.pose});
+    result.search_objects.push_back(
+        {problem.models()[object.model].name(), object.pose, rest_pose(problem, object.model)});
 }
 
 void report_scene(const LocalizationProblem& problem, const std::vector<PlacedModel>& unordered,
@@ -59,14 +66,16 @@ void report_scene(const LocalizationProblem& problem, const std::vector<PlacedMo
   const std::vector<PlacedModel> placed = in_scene_order(problem, unordered);
   result.objects.clear();
   std::size_t met = 0;
-  for (const std::size_t model : problem.objects()) {
+  for (const std::size_t kind : problem.objects()) {
     ObjectResult& object = result.objects.emplace_back();
-    object.model = problem.models()[model].name();
-    object.absent = met == placed.size() || placed[met].model != model;
+    object.model = problem.models()[problem.bodies_of(kind).front()].name();
+    object.absent = met == placed.size() || problem.kind_of(placed[met].model) != kind;
     if (object.absent) continue;
+    const std::size_t body = placed[met].model;
     object.pose = placed[met++].pose;
-    object.world_from_model = problem.models()[model].world_from_model(object.pose);
-    object.camera_from_model = problem.camera_from_model(model, object.pose);
+    object.rest_pose = rest_pose(problem, body);
+    object.world_from_model = problem.models()[body].world_from_unturned(object.pose);
+    object.camera_from_model = problem.camera_from_unturned(body, object.pose);
   }
 
   const std::vector<DepthPatch> patches = render_each(problem, placed);
@@ -106,7 +115,8 @@ void report_judged(const LocalizationProblem& problem, const JudgedScene& judged
     const PlacedModel& placed = judged.scene.placed[i];
     const auto object =
         std::find_if(result.objects.begin(), result.objects.end(), [&](const ObjectResult& o) {
-          return o.model == problem.models()[placed.model].name() && o.pose == placed.pose && !o.confidence;
+          return o.model == problem.models()[placed.model].name() && o.pose == placed.pose &&
+                 o.rest_pose == rest_pose(problem, placed.model) && !o.confidence;
         });
     object->confidence = judged.objects[i].confidence;
     object->runner_up = judged.objects[i].runner_up;

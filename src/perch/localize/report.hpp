@@ -10,8 +10,12 @@
 
 namespace perch {
 
-/// The poses in the order of the problem's objects; repeats of a model by ascending x, then y, then yaw.
+/// The poses in the order of the problem's objects; repeats of a kind by ascending x, then y, then yaw.
+/// The same for every order that they are given in.
 std::vector<PlacedModel> in_scene_order(const LocalizationProblem& problem, std::vector<PlacedModel> placed);
+
+/// Which of its model's orientations a body is; empty where the model has one.
+std::optional<int> rest_pose(const LocalizationProblem& problem, std::size_t body);
 
 /// Fills in what the search found. \param placed one pose for each object, in any order.
 void report_search(const LocalizationProblem& problem, const std::vector<PlacedModel>& placed,

@@ -14,21 +14,46 @@
 
 namespace perch {
 
-/// A model as a scene names it.
+/// A model as a scene names it, in one of the orientations in which it may rest on the support plane: a body.
+/// A model has one body for each; they stand next to each other, have one name, and each object of the model
+/// is one of them.
 struct SceneModel {
   std::string name;
-  Mesh mesh;  ///< metres, stood on z = 0
-  Symmetry symmetry = Symmetry::none();
-  double base = 0.0;  ///< height of the lowest point above the support plane, metres
+  Mesh mesh;                             ///< metres, stood on z = 0
+  Symmetry symmetry = Symmetry::none();  ///< of the mesh as it stands
+  double base = 0.0;                     ///< height of the lowest point above the support plane, metres
+  int rest_pose = 0;                     ///< which of the model's bodies this is, from 0
+  /// Maps the model's own frame (lowest point at z = 0, x and y as in the file) to the one in which `mesh`
+  /// stands.
+  Eigen::Isometry3d stood_from_model = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< what points up, in the model's own frame, unit length
 };
 
-/// A model's pose in the scene; `model` counts into Scene::models.
+/// The first body of the model that a body is of.
+inline std::size_t kind_of(const std::vector<SceneModel>& models, std::size_t body) {
+  return body - static_cast<std::size_t>(models[body].rest_pose);
+}
+
+/// How many bodies the model has that a body is of.
+inline std::size_t rest_pose_count(const std::vector<SceneModel>& models, std::size_t body) {
+  std::size_t next = kind_of(models, body) + 1;
+  while (next < models.size() && models[next].rest_pose > 0) ++next;
+  return next - kind_of(models, body);
+}
+
+/// The bodies of a model, one for each direction that may point up. What symmetry it has about its own z
+/// holds where that stands upright or upside down; lying it is taken to have none. \param upright the model
+/// as loaded. \param ups in its frame, unit length.
+std::vector<SceneModel> bodies_of(const SceneModel& upright, const std::vector<Eigen::Vector3d>& ups);
+
+/// A model's pose in the scene: of the body that `model` counts into Scene::models.
 struct PlacedModel {
   std::size_t model = 0;
   Pose pose;
 };
 
-/// An object that the scene holds, or may hold; `model` counts into Scene::models.
+/// An object that the scene holds, or may hold; `model` counts into Scene::models and is the first body of
+/// the object's model, whichever of them it turns out to be.
 struct SceneObject {
   SceneObject(std::size_t of_model, bool may_be_absent = false) : model(of_model), optional(may_be_absent) {}
 
@@ -37,7 +62,7 @@ struct SceneObject {
   friend bool operator==(const SceneObject&, const SceneObject&) = default;
 };
 
-/// A ground-truth pose; the symmetry is for scoring only.
+/// A ground-truth pose of a body; the symmetry, of the body as it stands, is for scoring only.
 struct TruthPose {
   std::size_t model = 0;
   Pose pose;
@@ -68,10 +93,13 @@ struct Scene {
   std::optional<Image<Rgb>> color;     ///< for pictures only
   std::optional<double> table_height;  ///< world z of the support plane; estimated if absent
   std::optional<Workspace> workspace;  ///< derived from the observed points if absent
-  std::vector<SceneModel> models;
-  std::vector<SceneObject> objects;  ///< repeats allowed
-  std::vector<PlacedModel> priors;   ///< poses that another detector proposes; they guide the search only
-  std::vector<TruthPose> truth;      ///< may be empty
+  std::vector<SceneModel> models;      ///< the bodies of each model one after the other
+  std::vector<SceneObject> objects;    ///< repeats allowed
+  std::vector<PlacedModel> priors;     ///< poses that another detector proposes; they guide the search only
+  std::vector<TruthPose> truth;        ///< may be empty
+
+  /// The first body of the model that a body is of.
+  std::size_t kind(std::size_t body) const { return kind_of(models, body); }
 };
 
 }  // namespace perch

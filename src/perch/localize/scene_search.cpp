@@ -148,8 +148,8 @@ class SceneSearch {
 
  private:
   bool some_object_has_no_pose() const {
-    for (std::size_t model = 0; model < problem_.models().size(); ++model)
-      if (problem_.copies()[model] > 0 && set_.of_model(model).empty()) return true;
+    for (std::size_t kind = 0; kind < problem_.kinds(); ++kind)
+      if (problem_.copies()[kind] > 0 && set_.of_kind(kind).empty()) return true;
     return false;
   }
 

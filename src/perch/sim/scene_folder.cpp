@@ -9,6 +9,7 @@
 
 #include "perch/io/atomic_write.hpp"
 #include "perch/io/png.hpp"
+#include "perch/model/rest_orientation.hpp"
 
 namespace perch {
 namespace {
@@ -22,6 +23,17 @@ std::string commented(const std::string& comment) {
   std::istringstream lines(comment);
   while (std::getline(lines, line)) text += "# " + line + "\n";
   return text;
+}
+
+/// The directions that may point up, where that is not z alone. \param first body of a model.
+std::string rest_poses_key(const std::vector<SceneModel>& models, std::size_t first) {
+  const std::size_t poses = rest_pose_count(models, first);
+  if (poses == 1 && models[first].up == Eigen::Vector3d::UnitZ()) return "";
+  std::string list;
+  for (std::size_t m = first; m < first + poses; ++m)
+    list += fmt::format("{}[{}, {}, {}]", list.empty() ? "" : ", ", exact_number(models[m].up.x()),
+                        exact_number(models[m].up.y()), exact_number(models[m].up.z()));
+  return ", rest_poses: [" + list + "]";
 }
 
 }  // namespace
@@ -73,17 +85,24 @@ std::string scene_yaml(const SimulatedScene& simulated, const std::string& comme
                         exact_number(w->x_min), exact_number(w->x_max), exact_number(w->y_min),
                         exact_number(w->y_max));
   text += "models:\n";
-  for (const SceneModel& model : scene.models)
-    text += fmt::format("  {0}: {{mesh: {1}/{0}.ply, unit: m, symmetry: {2}, base: {3}}}\n", model.name,
-                        model_folder, model.symmetry.name(), exact_number(model.base));
+  for (std::size_t m = 0; m < scene.models.size(); ++m) {
+    if (scene.kind(m) != m) continue;
+    const SceneModel& model = scene.models[m];
+    text += fmt::format("  {0}: {{mesh: {1}/{0}.ply, unit: m, symmetry: {2}, base: {3}{4}}}\n", model.name,
+                        model_folder, model.symmetry.name(), exact_number(model.base),
+                        rest_poses_key(scene.models, m));
+  }
   text += "objects: [";
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     text += fmt::format(fmt::runtime(scene.objects[i].optional ? "{}{{model: {}, optional: true}}" : "{}{}"),
                         i == 0 ? "" : ", ", scene.models[scene.objects[i].model].name);
   text += "]\n";
   const auto placed_at = [&](std::size_t model, const Pose& at) {
-    return fmt::format("  - {{model: {}, x: {}, y: {}, yaw: {}}}", scene.models[model].name,
-                       exact_number(at.x), exact_number(at.y), exact_number(at.yaw));
+    const std::string rest = rest_pose_count(scene.models, model) > 1
+                                 ? fmt::format(", rest_pose: {}", scene.models[model].rest_pose)
+                                 : "";
+    return fmt::format("  - {{model: {}, x: {}, y: {}, yaw: {}{}}}", scene.models[model].name,
+                       exact_number(at.x), exact_number(at.y), exact_number(at.yaw), rest);
   };
   if (!scene.priors.empty()) text += "priors:  # from another detector; metres and radians\n";
   for (const PlacedModel& prior : scene.priors) text += placed_at(prior.model, prior.pose) + "\n";
@@ -98,7 +117,9 @@ void write_scene_folder(const std::filesystem::path& folder, const SimulatedScen
                         const std::string& comment) {
   const Scene& scene = simulated.scene;
   OutputSet models, top;
-  for (const SceneModel& model : scene.models) models.add(model.name + ".ply", encode_ply(model.mesh));
+  for (const SceneModel& model : scene.models)
+    if (model.rest_pose == 0)
+      models.add(model.name + ".ply", encode_ply(transformed(model.mesh, model.stood_from_model.inverse())));
   top.add("depth.png", encode_png16_gray(counts_from_depth(scene.depth, scene.depth_scale)));
   top.add("scene.yaml", scene_yaml(simulated, comment));
   models.commit(folder / "models");

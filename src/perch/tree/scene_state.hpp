@@ -10,7 +10,7 @@
 namespace perch {
 
 /// A node of the Monotone Scene Generation Tree: which candidates are placed, whatever the order. Two that
-/// place the same candidates are one state, and repeats of a model are interchangeable.
+/// place the same candidates are one state, and copies of a kind are interchangeable.
 struct SceneState {
   std::vector<CandidateId> placed;  ///< ascending
   /// g: what the placed objects are sure to cost in every scene below; the flat J where all are placed.

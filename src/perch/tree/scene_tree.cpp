@@ -17,13 +17,14 @@ SceneTree::SceneTree(const LocalizationProblem& problem, CandidateSet& set,
       in_context_(in_context) {
   settings_.check();
   if (!in_context) {
-    cover_bound_.emplace(set, problem.models().size());
+    cover_bound_.emplace(set, problem.kinds());
     return;
   }
   for (std::size_t model = 0; model < problem.models().size(); ++model) {
-    lone_.emplace_back(problem.copies()[model] == 0 ? 0
-                                                    : static_cast<std::size_t>(problem.grid(model).size()));
-    if (problem.optional(model)) set.add(absent_candidate(model));
+    const std::size_t kind = problem.kind_of(model);
+    lone_.emplace_back(problem.copies()[kind] == 0 ? 0
+                                                   : static_cast<std::size_t>(problem.grid(model).size()));
+    if (problem.optional(kind) && model == problem.bodies_of(kind).front()) set.add(absent_candidate(model));
   }
 }
 
@@ -68,7 +69,7 @@ SceneTree::Parent SceneTree::make_parent(const State& state) const {
     maker.add(parent.composite, candidate);
     parent.covered.insert_all(candidate.explained);
     parent.enclosed.insert_all(candidate.enclosed);
-    --parent.remaining[candidate.model];
+    --parent.remaining[set_.kind(id)];
     if (upper_bound_) parent.lagrangian += reduced_costs_.reduced_cost(id);
   }
   parent.left_after = static_cast<int>(problem_.object_count() - state.placed.size()) - 1;
@@ -87,17 +88,19 @@ SceneTree::Parent SceneTree::make_parent(const State& state) const {
 
 std::vector<SceneTree::Hypothesis> SceneTree::hypotheses_of(const Parent& parent) const {
   std::vector<Hypothesis> hypotheses;
-  for (std::size_t model = 0; model < parent.remaining.size(); ++model) {
-    if (parent.remaining[model] == 0) continue;
+  for (std::size_t kind = 0; kind < parent.remaining.size(); ++kind) {
+    if (parent.remaining[kind] == 0) continue;
     if (in_context_) {
-      const auto poses = static_cast<std::int64_t>(problem_.grid(model).size());
-      for (std::int64_t i = 0; i < poses; ++i) hypotheses.push_back({model, 0, i});
-      for (const CandidateId id : set_.of_model(model))
-        if (set_[id].absent) hypotheses.push_back({model, id, -1});
+      for (const std::size_t model : problem_.bodies_of(kind)) {
+        const auto poses = static_cast<std::int64_t>(problem_.grid(model).size());
+        for (std::int64_t i = 0; i < poses; ++i) hypotheses.push_back({model, 0, i});
+      }
+      for (const CandidateId id : set_.of_kind(kind))
+        if (set_[id].absent) hypotheses.push_back({set_[id].model, id, -1});
     } else {
-      for (const CandidateId id : set_.of_model(model))
+      for (const CandidateId id : set_.of_kind(kind))
         if (!upper_bound_ || lagrangian_with(parent, id) < *upper_bound_)
-          hypotheses.push_back({model, id, 0});
+          hypotheses.push_back({set_[id].model, id, 0});
     }
   }
   return hypotheses;
@@ -184,11 +187,11 @@ std::optional<SceneState> SceneTree::guided_by(const std::vector<PriorPose>& pri
   std::vector<std::vector<Hypothesis>> steps;
   std::vector<int> left = problem_.copies();
   for (const PriorPose& prior : ordered)
-    if (left[prior.model]-- > 0) steps.push_back(near(prior));
-  for (std::size_t model = 0; model < left.size(); ++model)
-    for (const CandidateId id : set_.of_model(model))
-      if (set_[id].absent && left[model] > 0)
-        steps.insert(steps.end(), static_cast<std::size_t>(left[model]), {{model, id, -1}});
+    if (left[problem_.kind_of(prior.model)]-- > 0) steps.push_back(near(prior));
+  for (std::size_t kind = 0; kind < left.size(); ++kind)
+    for (const CandidateId id : set_.of_kind(kind))
+      if (set_[id].absent && left[kind] > 0)
+        steps.insert(steps.end(), static_cast<std::size_t>(left[kind]), {{set_[id].model, id, -1}});
   if (steps.size() != problem_.object_count()) return std::nullopt;
 
   State state = root();
@@ -295,7 +298,7 @@ void SceneTree::value(const State& state, const Parent& parent, const Candidate&
   child.cost = child.bound = rendered + observed;
   if (!cover_bound_) return;
   std::vector<int> remaining = parent.remaining;
-  --remaining[candidate.model];
+  --remaining[problem_.kind_of(candidate.model)];
   child.bound =
       rendered + std::max(observed, (*cover_bound_)(covered, problem_.cost().charged_points(), remaining));
 }

@@ -89,7 +89,7 @@ class SceneTree {
     Composite composite;
     PointSet covered;                   ///< points of I that some placed candidate alone explains
     PointSet enclosed;                  ///< V_s
-    std::vector<int> remaining;         ///< copies left of each model
+    std::vector<int> remaining;         ///< copies left of each kind
     std::vector<std::uint8_t> charged;  ///< pixels of the composite that count in C_r of a child
     std::int64_t charged_count = 0;
     ReducedCosts::Weight lagrangian = 0;  ///< the Lagrangian bound with what is placed
@@ -139,7 +139,7 @@ class SceneTree {
   /// Of these, valued for the priors, by what was placed: the expansion of that state has them too.
   std::map<std::vector<CandidateId>, std::int64_t> guided_;
   bool lazy_ = true;
-  std::vector<std::vector<Lone>> lone_;  ///< in context, of each model and grid pose
+  std::vector<std::vector<Lone>> lone_;  ///< in context, of each body and grid pose
   std::atomic<std::int64_t> reused_ = 0;
 };
 

@@ -128,7 +128,7 @@ class CertificateCheck {
       add(fmt::format("objects[{}].model", i),
           model_name(reported.model) + (reported.absent ? ", absent" : ""),
           model_name(objects[i].model) + (may_be_absent(objects[i]) ? ", or absent" : ""),
-          reported.model == objects[i].model && (may_be_absent(objects[i]) || !reported.absent));
+          scene_.kind(reported.model) == objects[i].model && (may_be_absent(objects[i]) || !reported.absent));
     }
     if (!result_.has_bound()) return;
     for (std::size_t model = 0; model < scene_.models.size(); ++model) {
@@ -139,7 +139,7 @@ class CertificateCheck {
           least += !object.optional;
         }
       const auto placed = std::count_if(result_.search_objects.begin(), result_.search_objects.end(),
-                                        [&](const PlacedModel& o) { return o.model == model; });
+                                        [&](const PlacedModel& o) { return scene_.kind(o.model) == model; });
       if (most == 0 && placed == 0) continue;
       add(fmt::format("search_objects: {}", model_name(model)), fmt::format("{}", placed),
           least == most ? fmt::format("{}", most) : fmt::format("{} to {}", least, most),

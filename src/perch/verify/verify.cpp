@@ -69,6 +69,7 @@ class Verification {
     add(what, text(reported), range.text(), reported && range.contains(*reported));
   }
 
+  /// Of the mesh as it stands.
   Eigen::Isometry3d world_from_model(const PlacedModel& placed) const {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translate(Eigen::Vector3d(placed.pose.x, placed.pose.y, height_ + scene_.models[placed.model].base));
@@ -126,7 +127,8 @@ class Verification {
 
   void check_object(const std::string& prefix, const ReportedObject& object, const PlacedModel& placed,
                     const CountRange& visible, const CountRange& alone, const CountRange& explained) {
-    const Eigen::Isometry3d pose = world_from_model(placed);
+    // What is stated is of the model's own frame.
+    const Eigen::Isometry3d pose = world_from_model(placed) * scene_.models[placed.model].stood_from_model;
     check_matrix(prefix + "world_from_model", object.world_from_model, pose);
     check_matrix(prefix + "camera_from_model", object.camera_from_model, camera_from_world_ * pose);
     add_count(prefix + "visible_pixels", object.visible_pixels, visible);
@@ -148,8 +150,10 @@ class Verification {
       add(prefix + "confidence", fmt::format("{}", *object.confidence), "from 0 to 1",
           *object.confidence >= 0.0 && *object.confidence <= 1.0);
     if (!object.runner_up || !result_.cost) return;
+    const std::size_t body =
+        scene_.kind(object.model) + static_cast<std::size_t>(object.runner_up->rest_pose.value_or(0));
     std::vector<Sighting> elsewhere =
-        sightings_of({object.model, object.runner_up->pose}, static_cast<std::uint32_t>(number));
+        sightings_of({body, object.runner_up->pose}, static_cast<std::uint32_t>(number));
     elsewhere.swap(each[number]);
     const CountRange cost = cost_of(view_of(each)).total();
     elsewhere.swap(each[number]);
