@@ -76,11 +76,21 @@ class Localization {
                                                search_stop_, log_));
       result_.stats.seconds.search = watch.seconds();
     }
+    name_rest_poses();
     finish();
     return result_;
   }
 
  private:
+  /// Says so where the bound ranges over several ways to rest.
+  void name_rest_poses() {
+    for (std::size_t kind = 0; kind < problem_->kinds(); ++kind)
+      if (problem_->copies()[kind] > 0 && problem_->bodies_of(kind).size() > 1) {
+        result_.guarantee.over += "; every listed rest pose of each model";
+        return;
+      }
+  }
+
   /// False where there is nothing to search.
   bool make_candidates() {
     log_.stage("candidates");
