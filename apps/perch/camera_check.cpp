@@ -79,7 +79,7 @@ std::vector<Mistake> usual_mistakes(const Eigen::Isometry3d& given) {
 /// readings within reach of the objects.
 class Judge {
  public:
-  Judge(const Scene& scene, const std::optional<SeenPlane>& plane) : scene_(scene), plane_(plane) {
+  Judge(const Scene& scene, const std::optional<SupportPlane>& plane) : scene_(scene), plane_(plane) {
     const RaySlopes rays(scene.camera.intrinsics);
     constexpr int step = 5;
     for (int v = 0; v < scene.depth.height(); v += step)
@@ -125,13 +125,13 @@ class Judge {
   }
 
   const Scene& scene_;
-  const std::optional<SeenPlane>& plane_;
+  const std::optional<SupportPlane>& plane_;
   std::vector<Eigen::Vector3d> points_;  ///< camera frame; of I or, where that isn't known, above the plane
 };
 
 }  // namespace
 
-std::optional<Warning> check_camera(const Scene& scene, const std::optional<SeenPlane>& plane) {
+std::optional<Warning> check_camera(const Scene& scene, const std::optional<SupportPlane>& plane) {
   if (!scene.has_camera_pose) return std::nullopt;
   const Judge judge(scene, plane);
   if (!judge.can_judge()) return std::nullopt;

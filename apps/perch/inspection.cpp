@@ -123,6 +123,7 @@ class Inspector {
     find_plane();
     if (auto warning = check_camera(raw_, found_.plane)) found_.warnings.push_back(std::move(*warning));
     check_depth();
+    check_delta();
     check_table();
     for (std::size_t i = 0; i < scene_.models.size(); ++i) inspect_model(i);
     count_poses();
@@ -136,7 +137,10 @@ class Inspector {
 
   void find_plane() {
     // Where the background was removed from the depth image itself, no plane can be trusted to be the table.
-    if (raw_.background == Background::table || raw_.mask) found_.plane = seen_plane(raw_);
+    if (scene_.support)
+      found_.plane = scene_.support->plane;
+    else if (raw_.background == Background::table || raw_.mask)
+      found_.plane = find_support_plane(raw_.depth, raw_.camera.intrinsics, {});
     if (is_ready_) found_.table_height = table_height(scene_);
     if (!found_.plane || !scene_.has_camera_pose) return;
     const Eigen::Vector3d up = scene_.camera.world_from_camera.linear() * found_.plane->normal;
@@ -175,6 +179,17 @@ class Inspector {
     if (d.points > 0 && d.points < 200)
       warn("observation", fmt::format("leaves {} points of the objects", d.points),
            "check mask, workspace and table.height");
+  }
+
+  void check_delta() {
+    constexpr double scatter = 0.4;  // of delta: what lies farther off is no longer explained
+    const double delta = settings_.candidates.cost.delta;
+    if (found_.plane && found_.plane->rms > scatter * delta)
+      warn("delta",
+           fmt::format("is {:g} m, but the readings of the table scatter by {:.1f} mm (rms)", delta,
+                       1000 * found_.plane->rms),
+           fmt::format("--delta {:g} leaves room for what the sensor gets wrong",
+                       0.005 * std::ceil(found_.plane->rms / scatter / 0.005)));
   }
 
   void check_table() {
@@ -275,10 +290,6 @@ class Inspector {
 };
 
 }  // namespace
-
-std::optional<SeenPlane> seen_plane(const Scene&) {
-  return std::nullopt;
-}
 
 Inspection inspect(const Scene& raw, const std::optional<Scene>& ready, const std::string& fault,
                    const Settings& settings, const Executor& executor) {

@@ -19,17 +19,6 @@ struct Warning {
   std::string remedy;
 };
 
-/// A plane in a depth image, camera frame: points p with normal . p + distance = 0.
-struct SeenPlane {
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< unit, towards the camera
-  double distance = 0.0;                              ///< from the camera, metres, > 0
-  double share = 0.0;                                 ///< of the readings, that lie on it
-  double rms = 0.0;                                   ///< of these, metres
-};
-
-/// The dominant plane of all readings, whatever the scene says of it; empty where there is none.
-std::optional<SeenPlane> seen_plane(const Scene& raw);
-
 struct ModelFacts {
   std::string name;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();    ///< of the box around it, metres
@@ -54,7 +43,7 @@ struct DepthFacts {
 /// What is known of a scene before it is searched.
 struct Inspection {
   DepthFacts depth;
-  std::optional<SeenPlane> plane;
+  std::optional<SupportPlane> plane;   ///< the support plane, or what of all readings looks like one
   std::optional<double> plane_tilt;    ///< against the world's z axis, radians; where there is a camera pose
   std::optional<double> plane_height;  ///< world z below the middle of I, metres
   std::optional<double> table_height;  ///< that is used, metres

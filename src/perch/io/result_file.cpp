@@ -43,6 +43,11 @@ class ResultReader {
     for (const JsonEntry& entry : records(root["search_objects"]))
       result.search_objects.push_back({body(entry), pose(entry)});
     for (const JsonEntry& entry : records(root["objects"])) result.objects.push_back(object(entry));
+    if (root.contains("support_plane")) {
+      const JsonEntry support = root["support_plane"];
+      result.world_from_camera = matrix(support["world_from_camera"]);
+      result.table_height = support["table_height"].number();
+    }
     result.stats = stats(root["stats"]);
     return result;
   }

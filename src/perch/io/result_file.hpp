@@ -38,6 +38,9 @@ struct ReportedResult {
                         ///< default, all else unset
   /// False for the baselines: there is neither a searched scene nor a bound.
   bool has_bound() const { return method == "perch"; }
+  /// Of the plane that was found in the depth image, where there was one to be found.
+  std::optional<Eigen::Matrix4d> world_from_camera;
+  std::optional<double> table_height;
   std::vector<PlacedModel> search_objects;
   std::vector<ReportedObject> objects;
   Stats stats;

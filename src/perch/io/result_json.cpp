@@ -93,6 +93,14 @@ Json to_value(const Stats& s) {
             {"polish", s.seconds.polish}}}};
 }
 
+Json to_value(const ReportedSupport& s) {
+  return {{"world_from_camera", matrix(s.world_from_camera)},
+          {"camera_estimated", s.camera_estimated},
+          {"table_height", s.table_height},
+          {"height_estimated", s.height_estimated},
+          {"rms", s.rms}};
+}
+
 Json to_value(const ScoreRecord& r) {
   return {{"cost", r.cost.cost},
           {"cost_observed", r.cost.cost_observed},
@@ -136,6 +144,7 @@ std::string to_json(const Result& result) {
             {"search_objects", list(result.search_objects)},
             {"objects", list(result.objects)},
             {"stats", to_value(result.stats)}};
+  if (result.support) json["support_plane"] = to_value(*result.support);
   if (!result.has_bound()) json["counted_with"] = counted_with(result.guarantee);
   return dump(json);
 }

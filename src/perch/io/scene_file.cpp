@@ -67,13 +67,16 @@ Eigen::Isometry3d read_transform(const YamlEntry& entry) {
   }
 }
 
-Camera read_camera(const YamlEntry& entry) {
+Camera read_camera(const YamlEntry& entry, bool& pose_given) {
   const YamlFields fields = entry.fields({"intrinsics", "world_from_camera"});
   Camera camera;
   camera.intrinsics =
       read_intrinsics(fields.required("intrinsics", "give width, height, fx, fy, cx and cy in pixels"));
-  camera.world_from_camera = read_transform(fields.required(
-      "world_from_camera", "support plane estimation is not built yet; give camera.world_from_camera"));
+  pose_given = false;
+  if (const YamlEntry* pose = fields.optional("world_from_camera")) {
+    camera.world_from_camera = read_transform(*pose);
+    pose_given = true;
+  }
   return camera;
 }
 
@@ -85,10 +88,8 @@ void read_observation(const YamlEntry& entry, const fs::path& folder, Scene& sce
   if (const YamlEntry* background = fields.optional("background")) {
     const std::string word = background->text();
     if (word == "table")
-      background->fail(
-          "\"table\": removing the support plane is not built yet; mask the objects and use background: "
-          "removed");
-    if (word != "removed")
+      scene.background = Background::table;
+    else if (word != "removed")
       background->fail(fmt::format("{} is no background; {}", background->value(),
                                    did_you_mean(word, {"removed", "table"})));
   }
@@ -266,13 +267,19 @@ Scene read_checked(const fs::path& scene_file) {
   const fs::path folder = scene_file.parent_path();
   Scene scene;
   scene.name = scene_file.stem().string();
-  scene.camera = read_camera(fields.required("camera", "give intrinsics and world_from_camera"));
+  const YamlEntry& camera = fields.required("camera", "give intrinsics and world_from_camera");
+  scene.camera = read_camera(camera, scene.has_camera_pose);
   const YamlEntry& observation = fields.required("observation", "give depth and depth_scale");
   const YamlEntry& models = fields.required("models", "give name: {mesh: FILE}");
   const YamlEntry& objects = fields.required("objects", "list the names of the models present");
   if (const YamlEntry* table = fields.optional("table")) scene.table_height = read_table(*table);
   if (const YamlEntry* workspace = fields.optional("workspace")) scene.workspace = read_workspace(*workspace);
   read_observation(observation, folder, scene);
+  if (!scene.has_camera_pose && scene.background == Background::removed)
+    camera.fail_at(
+        "world_from_camera",
+        "is missing; give the camera's pose in the world, or leave the table in the depth image and set "
+        "observation.background: table");
   scene.models = read_models(models, folder);
   scene.objects = read_objects(objects, scene.models);
   if (const YamlEntry* priors = fields.optional("priors"))

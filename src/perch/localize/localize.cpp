@@ -63,6 +63,7 @@ class Localization {
   Result run() {
     result_.observed_points = static_cast<std::int64_t>(problem_->observation().size());
     describe_guarantee(scene_, settings_, result_.guarantee);
+    result_.support = support_of(scene_);
     if (settings_.mode == CandidateMode::context) {
       const Stopwatch watch;
       take(search_in_context(*problem_, candidates_, makers_, priors_, settings_, executor_, search_stop_,
@@ -245,6 +246,7 @@ Result localize(const Scene& scene, const Settings& settings, const Executor& ex
     result.observed_points =
         static_cast<std::int64_t>(Observation(scene.camera, scene.depth, scene.mask).size());
     describe_guarantee(scene, settings, result.guarantee);
+    result.support = support_of(scene);
     result.stats.threads = static_cast<int>(executor.workers());
     result.stats.seconds.total = watch.seconds();
     return result;

@@ -1,17 +1,18 @@
 #include "perch/localize/prepare.hpp"
 
 #include "perch/localize/localize.hpp"
+#include "perch/localize/raw_scene.hpp"
 #include "perch/localize/reach.hpp"
 
 namespace perch {
-
 namespace {
 
 constexpr double sensor_noise = 0.02;  // metres; a reading of an object is seldom farther off
 
 }  // namespace
 
-Scene prepare(Scene scene, const Settings&, const Executor&) {
+Scene prepare(Scene scene, const Settings& settings, const Executor&) {
+  if (scene.background == Background::table) return without_table(std::move(scene), settings.plane);
   // What no object reaches is no object's. It may still hide one.
   if (scene.clutter) {
     scene.table_height = table_height(scene);

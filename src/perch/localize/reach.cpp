@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace perch {
 
@@ -18,6 +19,27 @@ Reach::Reach(const Scene& scene, const std::optional<double>& table_height, doub
   const double aside = radius + margin;
   box_.min() << w.x_min - aside, w.y_min - aside, table_height ? *table_height + foot - margin : -anywhere;
   box_.max() << w.x_max + aside, w.y_max + aside, table_height ? *table_height + top + margin : anywhere;
+}
+
+bool Reach::is_behind(const Eigen::Vector3d& eye, const Eigen::Vector3d& p) const {
+  double first = 0.0, last = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double way = p[axis] - eye[axis];
+    double a = (box_.min()[axis] - eye[axis]) / way, b = (box_.max()[axis] - eye[axis]) / way;
+    if (way == 0.0) {
+      if (eye[axis] < box_.min()[axis] || eye[axis] > box_.max()[axis]) return false;
+      continue;
+    }
+    if (a > b) std::swap(a, b);
+    first = std::max(first, a);
+    last = std::min(last, b);
+  }
+  return first <= last && first > 1.0;
+}
+
+void Reach::limit(const Eigen::AlignedBox2d& place) {
+  box_.min().head<2>() = box_.min().head<2>().cwiseMax(place.min());
+  box_.max().head<2>() = box_.max().head<2>().cwiseMin(place.max());
 }
 
 Image<std::uint8_t> readings_in_reach(const Scene& scene, double table_height, double margin) {

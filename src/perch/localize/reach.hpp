@@ -19,6 +19,10 @@ class Reach {
   Reach(const Scene& scene, const std::optional<double>& table_height, double margin);
   /// \param p world, metres.
   bool contains(const Eigen::Vector3d& p) const { return box_.contains(p); }
+  /// True where the line from `eye` through p comes to what is in reach only behind p; world, metres.
+  bool is_behind(const Eigen::Vector3d& eye, const Eigen::Vector3d& p) const;
+  /// Narrows it to a rectangle of the world's x and y, metres.
+  void limit(const Eigen::AlignedBox2d& place);
 
  private:
   Eigen::AlignedBox3d box_;

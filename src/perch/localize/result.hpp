@@ -117,6 +117,15 @@ struct TraceEntry {
   std::uint64_t expanded = 0;  ///< states or nodes so far
 };
 
+/// Where camera and table are by a depth image in which the support plane was looked for.
+struct ReportedSupport {
+  Eigen::Isometry3d world_from_camera = Eigen::Isometry3d::Identity();
+  double table_height = 0.0;      ///< world, metres
+  bool camera_estimated = false;  ///< else as given
+  bool height_estimated = false;
+  double rms = 0.0;  ///< of the plane's readings, metres
+};
+
 /// The answer to one scene, as written to result.json.
 struct Result {
   std::string method = "perch";  ///< as `--method` names it
@@ -127,6 +136,7 @@ struct Result {
   std::optional<std::int64_t> search_cost;  ///< of `search_objects`
   std::int64_t lower_bound = 0;
   Guarantee guarantee;  ///< without has_bound(): what costs are counted with, all else unset
+  std::optional<ReportedSupport> support;
   std::vector<ResultPose> search_objects;
   std::vector<ObjectResult> objects;
   Stats stats;

@@ -11,6 +11,7 @@
 #include "perch/core/pose.hpp"
 #include "perch/model/mesh.hpp"
 #include "perch/model/symmetry.hpp"
+#include "perch/observation/support_plane.hpp"
 
 namespace perch {
 
@@ -75,6 +76,13 @@ enum class Background {
   table     ///< the support plane too, and what lies below it or outside the workspace
 };
 
+/// The support plane as it was found in a depth image, and what of the scene was taken from it.
+struct EstimatedSupport {
+  SupportPlane plane;
+  bool camera = false;  ///< the camera's pose
+  bool height = false;  ///< the table's height
+};
+
 struct Rgb {
   std::uint8_t r = 0, g = 0, b = 0;
   friend bool operator==(const Rgb&, const Rgb&) = default;
@@ -97,6 +105,7 @@ struct Scene {
   std::vector<SceneObject> objects;    ///< repeats allowed
   std::vector<PlacedModel> priors;     ///< poses that another detector proposes; they guide the search only
   std::vector<TruthPose> truth;        ///< may be empty
+  std::optional<EstimatedSupport> support;  ///< where it was looked for
 
   /// The first body of the model that a body is of.
   std::size_t kind(std::size_t body) const { return kind_of(models, body); }

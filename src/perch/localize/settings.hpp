@@ -39,6 +39,13 @@ enum class StateBound {
   lagrangian  ///< and the Lagrangian bound, which branch and bound needs
 };
 
+/// How the support plane is looked for.
+struct PlaneSettings {
+  std::uint64_t seed = 1;
+  double height_range =
+      0.02;  ///< a given table height is corrected by this at most, metres; 0: used as it is
+};
+
 /// Everything that can be set. The command line, settings files and `--set` all go through settings_fields,
 /// so that a default is written once, here and in the structs below.
 struct Settings {
@@ -53,6 +60,7 @@ struct Settings {
   bool anytime = false;     ///< go on after the first solution, until it is proven optimal or time is up
   bool exhaustive = false;  ///< value every scene instead of searching; for small grids
   std::optional<double> bfwor_distance_limit;  ///< see BfworSettings::distance_limit, metres
+  PlaneSettings plane;
   CandidateSettings candidates;
   MonotoneSettings tree;
   PolishSettings polish;

@@ -33,6 +33,12 @@ std::optional<Guarantee::Clutter> clutter_of(const Scene& scene, const Settings&
   return Guarantee::Clutter{cost.clutter_weight, name(cost.clutter_points)};
 }
 
+std::optional<ReportedSupport> support_of(const Scene& scene) {
+  if (!scene.support) return std::nullopt;
+  return ReportedSupport{scene.camera.world_from_camera, table_height(scene), scene.support->camera,
+                         scene.support->height, scene.support->plane.rms};
+}
+
 std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Settings& settings,
                                                   const Executor& executor, const StopCondition& stop) {
   settings.check();

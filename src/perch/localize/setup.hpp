@@ -19,6 +19,9 @@ CostSettings cost_settings(const Scene& scene, const Settings& settings);
 /// What a result says of how clutter was counted.
 std::optional<Guarantee::Clutter> clutter_of(const Scene& scene, const Settings& settings);
 
+/// What a result says of the support plane.
+std::optional<ReportedSupport> support_of(const Scene& scene);
+
 /// A scene made ready to be searched or scored. Throws InputError, Interrupted.
 std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Settings& settings,
                                                   const Executor& executor,

@@ -49,6 +49,12 @@ class Verification {
     const auto points = static_cast<std::int64_t>(observed_.points().size());
     add("observed_points", fmt::format("{}", result_.observed_points), fmt::format("{}", points),
         result_.observed_points == points);
+    if (result_.world_from_camera) {
+      check_matrix("support_plane.world_from_camera", *result_.world_from_camera,
+                   scene_.camera.world_from_camera);
+      add("support_plane.table_height", fmt::format("{}", *result_.table_height), fmt::format("{}", height_),
+          std::abs(*result_.table_height - height_) <= 1e-9);
+    }
     std::vector<PlacedModel> placed;
     for (const ReportedObject& object : result_.objects)
       if (!object.absent) placed.push_back({object.model, object.pose});
