@@ -14,11 +14,12 @@ namespace {
 
 using Weight = Lagrangian::Weight;
 
-/// Some candidates of each model in random order, few of which explain nothing.
-CandidateSet some_of(const CandidateSet& set, std::size_t models, std::size_t most, Random& random) {
+/// Some candidates of each kind in random order, few of which explain nothing.
+CandidateSet some_of(const LocalizationProblem& problem, const CandidateSet& set, std::size_t most,
+                     Random& random) {
   std::vector<CandidateId> chosen;
-  for (std::size_t model = 0; model < models; ++model) {
-    std::vector<CandidateId> ids = set.of_model(model);
+  for (std::size_t kind = 0; kind < problem.kinds(); ++kind) {
+    std::vector<CandidateId> ids = set.of_kind(kind);
     std::stable_sort(ids.begin(), ids.end(), [&](CandidateId a, CandidateId b) {
       return set[a].explained_count > set[b].explained_count;
     });
@@ -28,7 +29,7 @@ CandidateSet some_of(const CandidateSet& set, std::size_t models, std::size_t mo
       if (set[id].absent) chosen.push_back(id);
   }
   for (std::size_t i = chosen.size(); i > 1; --i) std::swap(chosen[i - 1], chosen[random.below(i)]);
-  CandidateSet some(models);
+  CandidateSet some(problem);
   for (const CandidateId id : chosen) some.add(set[id]);
   return some;
 }
@@ -38,11 +39,12 @@ std::unique_ptr<SmallProblem> problem_of_few(std::uint64_t seed) {
   Random random(seed);
   SimulatedScene simulated = small_tabletop(seed, random.below(2) == 0, 2 + static_cast<int>(random.below(3)),
                                             random.below(3) == 0, random.below(3) == 0);
+  if (seed % 3 == 0) simulated = with_rest_poses(simulated, seed);
   if (random.below(2) == 0) add_mask(simulated.scene, random);
   Settings settings = small_settings(random.below(3) == 0 ? RefineMethod::none : RefineMethod::icp);
   if (random.below(2) == 0) settings.candidates.cost.missing_depth = MissingDepth::ignore;
   auto small = std::make_unique<SmallProblem>(std::move(simulated), settings);
-  small->set = some_of(small->set, small->problem->models().size(), 6, random);
+  small->set = some_of(*small->problem, small->set, 6, random);
   return small;
 }
 
@@ -54,11 +56,14 @@ class PlainWorth {
 
   Weight operator()(const Candidate& c) const {
     Weight sum = explained(c);
-    for_each(c.certain_runs, [&](std::uint32_t x) { sum -= dual_.pixel_weight(c.model, x).certain; });
-    for_each(c.uncertain_runs, [&](std::uint32_t x) { sum -= dual_.pixel_weight(c.model, x).uncertain; });
+    for_each(c.certain_runs,
+             [&](std::uint32_t x) { sum -= dual_.pixel_weight(problem_.kind_of(c.model), x).certain; });
+    for_each(c.uncertain_runs,
+             [&](std::uint32_t x) { sum -= dual_.pixel_weight(problem_.kind_of(c.model), x).uncertain; });
     for_each(c.explained_pixels, [&](std::uint32_t x) {
-      for (std::size_t n = 0; n < problem_.models().size(); ++n)
-        sum += (problem_.copies()[n] - (n == c.model ? 1 : 0)) * dual_.pixel_weight(n, x).uncertain;
+      for (std::size_t n = 0; n < problem_.kinds(); ++n)
+        sum += (problem_.copies()[n] - (n == problem_.kind_of(c.model) ? 1 : 0)) *
+               dual_.pixel_weight(n, x).uncertain;
     });
     return sum;
   }
@@ -91,11 +96,11 @@ void expect_feasible(const LocalizationProblem& problem, const CoarseDual& dual)
   const Intrinsics& k = problem.observation().intrinsics();
   for (std::uint32_t x = 0; x < static_cast<std::uint32_t>(k.width * k.height); ++x) {
     Weight total = 0;
-    for (std::size_t model = 0; model < problem.models().size(); ++model) {
-      const Lagrangian::PixelWeight weight = dual.pixel_weight(model, x);
+    for (std::size_t kind = 0; kind < problem.kinds(); ++kind) {
+      const Lagrangian::PixelWeight weight = dual.pixel_weight(kind, x);
       ASSERT_GE(weight.certain, 0);
       ASSERT_GE(weight.uncertain, 0);
-      total += problem.copies()[model] * (weight.certain + weight.uncertain);
+      total += problem.copies()[kind] * (weight.certain + weight.uncertain);
     }
     ASSERT_LE(total, Lagrangian::one) << "pixel " << x;
   }
@@ -104,25 +109,25 @@ void expect_feasible(const LocalizationProblem& problem, const CoarseDual& dual)
 /// Relief of a window is at least that of its pixels.
 void expect_relief(const LocalizationProblem& problem, const CoarseDual& dual, Random& random) {
   const Intrinsics& k = problem.observation().intrinsics();
-  for (std::size_t model = 0; model < problem.models().size(); ++model) {
-    if (problem.copies()[model] == 0) continue;
+  for (std::size_t kind = 0; kind < problem.kinds(); ++kind) {
+    if (problem.copies()[kind] == 0) continue;
     const int u0 = static_cast<int>(random.below(60)), v0 = static_cast<int>(random.below(45));
     const Window window{u0, v0, u0 + 1 + static_cast<int>(random.below(20)),
                         v0 + 1 + static_cast<int>(random.below(15))};
     Weight sum = 0;
     for (int v = window.v0; v < window.v1; ++v)
       for (int u = window.u0; u < window.u1; ++u)
-        for (std::size_t n = 0; n < problem.models().size(); ++n)
-          sum += (problem.copies()[n] - (n == model ? 1 : 0)) *
+        for (std::size_t n = 0; n < problem.kinds(); ++n)
+          sum += (problem.copies()[n] - (n == kind ? 1 : 0)) *
                  dual.pixel_weight(n, static_cast<std::uint32_t>(v * k.width + u)).uncertain;
-    EXPECT_GE(dual.relief(model, window), sum);
+    EXPECT_GE(dual.relief(kind, window), sum);
   }
 }
 
 Weight bound_of(const LocalizationProblem& problem, const CoarseDual& dual) {
   Weight bound = dual.constant();
-  for (std::size_t model = 0; model < problem.models().size(); ++model)
-    bound -= problem.copies()[model] * dual.largest()[model];
+  for (std::size_t kind = 0; kind < problem.kinds(); ++kind)
+    bound -= problem.copies()[kind] * dual.largest()[kind];
   return bound;
 }
 
@@ -132,14 +137,14 @@ void expect_bound(const SmallProblem& small, const CoarseDual& dual, const Candi
                   const std::vector<CandidateScene>& scenes) {
   const LocalizationProblem& problem = *small.problem;
   const PlainWorth worth(problem, dual);
-  std::vector<std::optional<Weight>> largest(problem.models().size());
+  std::vector<std::optional<Weight>> largest(problem.kinds());
   for (CandidateId id = 0; id < valued.size(); ++id) {
-    const std::optional<Weight>& most = largest[valued[id].model];
-    if (const Weight own = worth(valued[id]); !most || own > *most) largest[valued[id].model] = own;
+    const std::optional<Weight>& most = largest[valued.kind(id)];
+    if (const Weight own = worth(valued[id]); !most || own > *most) largest[valued.kind(id)] = own;
   }
-  for (std::size_t model = 0; model < largest.size(); ++model) {
-    if (problem.copies()[model] > 0) {
-      EXPECT_EQ(dual.largest()[model], largest[model]);
+  for (std::size_t kind = 0; kind < largest.size(); ++kind) {
+    if (problem.copies()[kind] > 0) {
+      EXPECT_EQ(dual.largest()[kind], largest[kind]);
     }
   }
   std::vector<Weight> worths;
@@ -147,11 +152,12 @@ void expect_bound(const SmallProblem& small, const CoarseDual& dual, const Candi
     const Candidate& c = small.set[id];
     worths.push_back(worth(c));
     const Weight explained = worth.explained(c);
-    EXPECT_LE(worths.back(), explained + dual.relief(c.model, c.window));
+    EXPECT_LE(worths.back(), explained + dual.relief(problem.kind_of(c.model), c.window));
     if (c.absent) {
       EXPECT_EQ(worths.back(), 0);
     } else {
-      EXPECT_LE(worths.back(), explained + dual.relief(c.model, problem.window(c.model, c.pose)));
+      EXPECT_LE(worths.back(),
+                explained + dual.relief(problem.kind_of(c.model), problem.window(c.model, c.pose)));
     }
   }
   for (const CandidateScene& scene : scenes) {
@@ -218,11 +224,10 @@ TEST(CoarseDualHeavy, TakesInCandidatesLater) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const auto small = problem_of_few(seed);
     const auto scenes = all_scenes(*small);
-    const std::size_t models = small->problem->models().size();
     Random random(seed);
-    CandidateSet valued(models);
-    for (std::size_t model = 0; model < models; ++model)
-      if (small->problem->copies()[model] > 0) valued.add(small->set[small->set.of_model(model).front()]);
+    CandidateSet valued(*small->problem);
+    for (std::size_t kind = 0; kind < small->problem->kinds(); ++kind)
+      if (small->problem->copies()[kind] > 0) valued.add(small->set[small->set.of_kind(kind).front()]);
     CoarseDual dual(*small->problem);
     CandidateId next = 0;
     while (true) {
@@ -238,25 +243,24 @@ TEST(CoarseDualHeavy, TakesInCandidatesLater) {
   }
 }
 
-// With one candidate of each model, each is the best of its model.
+// With one candidate of each kind, each is the best of its kind.
 TEST(CoarseDual, EachCandidateIsWorthWhatTheFormulaSays) {
   int checked = 0;
   for (std::uint64_t seed = 201; seed <= 203; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const auto small = problem_of_few(seed);
-    const std::size_t models = small->problem->models().size();
     for (std::size_t round = 0; round < 8; ++round) {
-      CandidateSet one_each(models);
-      for (std::size_t model = 0; model < models; ++model)
-        if (const auto& ids = small->set.of_model(model); !ids.empty())
+      CandidateSet one_each(*small->problem);
+      for (std::size_t kind = 0; kind < small->problem->kinds(); ++kind)
+        if (const auto& ids = small->set.of_kind(kind); !ids.empty())
           one_each.add(small->set[ids[round % ids.size()]]);
       CoarseDual dual(*small->problem);
       dual.add(one_each, small->executor);
       dual.ascend(static_cast<int>(round), 50, 1e18, small->executor, StopCondition());
       const PlainWorth worth(*small->problem, dual);
       for (CandidateId id = 0; id < one_each.size(); ++id, ++checked)
-        if (small->problem->copies()[one_each[id].model] > 0) {
-          EXPECT_EQ(dual.largest()[one_each[id].model], worth(one_each[id]));
+        if (small->problem->copies()[one_each.kind(id)] > 0) {
+          EXPECT_EQ(dual.largest()[one_each.kind(id)], worth(one_each[id]));
         }
     }
   }
@@ -279,10 +283,10 @@ TEST(CoarseDual, IsTheSameOnEveryInstructionSetAndNumberOfThreads) {
         std::vector<Weight> all = dual.point_weights();
         all.push_back(dual.constant());
         all.insert(all.end(), dual.largest().begin(), dual.largest().end());
-        for (std::size_t model = 0; model < small->problem->models().size(); ++model)
+        for (std::size_t kind = 0; kind < small->problem->models().size(); ++kind)
           for (std::uint32_t x = 0; x < 80 * 60; ++x) {
-            all.push_back(dual.pixel_weight(model, x).certain);
-            all.push_back(dual.pixel_weight(model, x).uncertain);
+            all.push_back(dual.pixel_weight(kind, x).certain);
+            all.push_back(dual.pixel_weight(kind, x).uncertain);
           }
         if (!first) first = all;
         EXPECT_EQ(all, *first);

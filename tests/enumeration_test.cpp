@@ -20,24 +20,26 @@ namespace {
 
 constexpr int problems = 240;
 
-/// A random scene of 2 to 4 objects.
+/// A random scene of 2 to 4 objects, of models that may rest in several ways in one of five.
 std::unique_ptr<SmallProblem> random_problem(std::uint64_t seed) {
   Random random(seed);
   const bool noise = random.below(2) == 0, repeats = random.below(4) == 0;
   const RefineMethod refine = random.below(3) == 0 ? RefineMethod::none : RefineMethod::icp;
   const int objects = 2 + static_cast<int>(random.below(3));
-  auto small = std::make_unique<SmallProblem>(seed, noise, refine, objects, repeats, random.below(4) == 0);
+  SimulatedScene simulated = small_tabletop(seed, noise, objects, repeats, random.below(4) == 0);
+  if (seed % 5 == 0) simulated = with_rest_poses(simulated, seed);
+  auto small = std::make_unique<SmallProblem>(std::move(simulated), small_settings(refine));
   if (random.below(3) == 0) small->settings.tree = {0.0, 0};
   return small;
 }
 
-/// Leaves a few candidates of each model: some of those that explain most, and others at random.
+/// Leaves a few candidates of each kind: some of those that explain most, and others at random.
 void thin_out(SmallProblem& small, Random& random) {
   const std::size_t objects = small.problem->object_count();
   const std::size_t most = objects == 4 ? 5 : objects == 3 ? 8 : 20;
   std::vector<char> keep(small.set.size(), 0);
-  for (std::size_t model = 0; model < small.problem->models().size(); ++model) {
-    auto ids = small.set.of_model(model);
+  for (std::size_t kind = 0; kind < small.problem->kinds(); ++kind) {
+    auto ids = small.set.of_kind(kind);
     std::stable_sort(ids.begin(), ids.end(), [&](CandidateId a, CandidateId b) {
       return small.set[a].explained_count > small.set[b].explained_count;
     });
@@ -115,11 +117,11 @@ TEST(EnumerationHeavy, BoundsHoldAndSearchesFindTheOptimum) {
       const CandidateId first =
           expected.scenes[random.below(expected.scenes.size())].candidates[random.below(2)];
       std::vector<OpenSlot> slots;
-      for (std::size_t model = 0; model < problem.models().size(); ++model) {
-        const int left = problem.copies()[model] - static_cast<int>(small.set[first].model == model);
+      for (std::size_t kind = 0; kind < problem.kinds(); ++kind) {
+        const int left = problem.copies()[kind] - static_cast<int>(small.set.kind(first) == kind);
         if (left == 0) continue;
         slots.push_back({left, slots.size(), {}});
-        for (const CandidateId id : small.set.of_model(model))
+        for (const CandidateId id : small.set.of_kind(kind))
           if (!problem.collide(small.set[first], small.set[id])) slots.back().choices.push_back({id, 0});
       }
       Composite placed = problem.cost().empty();

@@ -75,8 +75,7 @@ TEST(FixedCandidates, ValuedInPortionsAreTheSame) {
     Random random(seed);
     FixedCandidates portions = *small.refined;
     std::size_t absent = 0;
-    for (std::size_t model = 0; model < small.problem->models().size(); ++model)
-      absent += small.problem->optional(model);
+    for (std::size_t kind = 0; kind < small.problem->kinds(); ++kind) absent += small.problem->optional(kind);
     EXPECT_EQ(portions.set().size(), absent);
     while (!portions.open().empty()) {
       const auto which = random_places(portions.open().size(), random.uniform(0.0, 0.6), random);
@@ -95,8 +94,8 @@ TEST(FixedCandidates, ValuedInPortionsAreTheSame) {
       ASSERT_NE(other, found.end());
       EXPECT_TRUE(same(at_once.set()[id], portions.set()[other->second]));
     }
-    for (std::size_t model = 0; model < small.problem->models().size(); ++model)
-      EXPECT_EQ(portions.set().of_model(model).size(), at_once.set().of_model(model).size());
+    for (std::size_t kind = 0; kind < small.problem->kinds(); ++kind)
+      EXPECT_EQ(portions.set().of_kind(kind).size(), at_once.set().of_kind(kind).size());
   }
 }
 
@@ -149,16 +148,16 @@ TEST(FixedCandidates, OpenOnesAreBoundedByWhatTheyAreWorthValued) {
     SmallProblem small = problem_of(seed);
     const FixedCandidates& open = *small.refined;
     const auto numbers = numbers_of(small.set);
-    const std::size_t models = small.problem->models().size(), points = small.problem->observation().size();
+    const std::size_t kinds = small.problem->kinds(), points = small.problem->observation().size();
     Random random(seed);
-    std::vector<std::vector<std::int64_t>> weights(models, std::vector<std::int64_t>(points));
-    for (auto& of_model : weights)
-      for (std::int64_t& weight : of_model)
+    std::vector<std::vector<std::int64_t>> weights(kinds, std::vector<std::int64_t>(points));
+    for (auto& of_kind : weights)
+      for (std::int64_t& weight : of_kind)
         weight = random.below(3) == 0 ? 0 : static_cast<std::int64_t>(random.below(1U << 20));
-    std::vector<int> wanted(models, 1);
-    wanted[random.below(models)] = 0;
+    std::vector<int> wanted(kinds, 1);
+    wanted[random.below(kinds)] = 0;
     const auto of_each = open.most_explained(weights, wanted),
-               of_all = open.most_explained({weights.front()}, std::vector<int>(models, 1));
+               of_all = open.most_explained({weights.front()}, std::vector<int>(kinds, 1));
 
     CandidateMaker& maker = small.makers.front();
     Composite others = small.problem->cost().empty();
@@ -168,12 +167,13 @@ TEST(FixedCandidates, OpenOnesAreBoundedByWhatTheyAreWorthValued) {
     }
     const CandidateFloor floor_of(small.problem->cost(), others);
     const auto still = open.most_explained(
-        {weights_outside(others.observed, small.problem->observation().size())}, std::vector<int>(models, 1));
+        {weights_outside(others.observed, small.problem->observation().size())}, std::vector<int>(kinds, 1));
     const std::int64_t without = small.problem->cost().counts(others).total();
 
     for (std::size_t i = 0; i < open.open().size(); ++i) {
       const FixedCandidates::Hypothesis& hypothesis = open.open()[i];
-      if (!wanted[hypothesis.model]) {
+      const std::size_t kind = small.problem->kind_of(hypothesis.model);
+      if (!wanted[kind]) {
         EXPECT_EQ(of_each[i], 0);
       }
       const auto number = numbers.find(key_of(hypothesis.model, false, hypothesis.pose));
@@ -182,10 +182,10 @@ TEST(FixedCandidates, OpenOnesAreBoundedByWhatTheyAreWorthValued) {
       std::int64_t own = 0, common = 0;
       for (const perch::Run& run : candidate.explained_runs)
         for (std::uint32_t p = run.first; p < run.last; ++p) {
-          own += weights[hypothesis.model][p];
+          own += weights[kind][p];
           common += weights.front()[p];
         }
-      if (wanted[hypothesis.model]) {
+      if (wanted[kind]) {
         EXPECT_GE(of_each[i], own);
       }
       EXPECT_GE(of_all[i], common);

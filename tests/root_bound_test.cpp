@@ -61,7 +61,7 @@ std::unique_ptr<SmallProblem> problem_of_all(std::uint64_t seed) {
   return std::make_unique<SmallProblem>(std::move(simulated), settings);
 }
 
-/// Values a few at random, and one of each model.
+/// Values a few at random, and one of each kind.
 void value_some(const SmallProblem& small, FixedCandidates& candidates, Random& random) {
   const StopCondition never;
   const double share = random.uniform(0.0, 0.3);
@@ -69,10 +69,10 @@ void value_some(const SmallProblem& small, FixedCandidates& candidates, Random& 
   for (std::size_t i = 0; i < candidates.open().size(); ++i)
     if (random.uniform() < share) which.push_back(i);
   ASSERT_TRUE(candidates.value(which, never));
-  for (std::size_t model = 0; model < small.problem->models().size(); ++model)
+  for (std::size_t kind = 0; kind < small.problem->kinds(); ++kind)
     for (std::size_t i = 0; i < candidates.open().size(); ++i)
-      if (small.problem->copies()[model] > 0 && candidates.set().of_model(model).empty() &&
-          candidates.open()[i].model == model) {
+      if (small.problem->copies()[kind] > 0 && candidates.set().of_kind(kind).empty() &&
+          small.problem->kind_of(candidates.open()[i].model) == kind) {
         ASSERT_TRUE(candidates.value({i}, never));
         i = 0;
       }
@@ -138,13 +138,13 @@ void check_from_greedy_scene(SmallProblem& small, const Best& best, double w, Ta
   RootBound root(problem, candidates, small.executor);
   const StopCondition never;
   const auto scene = root.greedy_scene({}, small.makers.front(), never);
-  for (std::size_t model = 0; model < problem.models().size(); ++model)
-    EXPECT_TRUE(problem.copies()[model] == 0 || !candidates.set().of_model(model).empty());
+  for (std::size_t kind = 0; kind < problem.kinds(); ++kind)
+    EXPECT_TRUE(problem.copies()[kind] == 0 || !candidates.set().of_kind(kind).empty());
   if (scene) {
-    std::vector<int> copies(problem.models().size(), 0);
+    std::vector<int> copies(problem.kinds(), 0);
     std::vector<CandidateId> placed;
     for (const CandidateId id : scene->candidates) {
-      ++copies[candidates.set()[id].model];
+      ++copies[candidates.set().kind(id)];
       for (const CandidateId other : placed)
         EXPECT_FALSE(problem.collide(candidates.set()[id], candidates.set()[other]));
       placed.push_back(id);

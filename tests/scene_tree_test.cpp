@@ -97,7 +97,7 @@ TEST(SceneTreeHeavy, LazyEdgesAreTheEagerOnes) {
   for (const TreeCase& c : tree_cases()) {
     PERCH_TRACE(c);
     SmallProblem small(c.seed, c.noise, c.refine, c.objects, c.repeats);
-    CandidateSet lazy_set(small.problem->models().size()), eager_set(small.problem->models().size());
+    CandidateSet lazy_set(*small.problem), eager_set(*small.problem);
     SceneTree lazy =
         SceneTree::in_context(*small.problem, lazy_set, small.makers, small.executor, small.settings.tree);
     SceneTree eager =

@@ -31,6 +31,34 @@ inline SimulatedScene small_tabletop(std::uint64_t seed, bool noise, int objects
   return simulated;
 }
 
+/// The same scene with some models that may rest in several ways, and some of their objects lying or standing
+/// on their heads; seen anew by an ideal camera.
+inline SimulatedScene with_rest_poses(const SimulatedScene& upright, std::uint64_t seed) {
+  Random random(seed);
+  const Scene& scene = upright.scene;
+  SceneLayout layout{scene.name, scene.camera, {}, {}, *scene.workspace};
+  std::vector<std::size_t> first;  // bodies, of each model
+  for (const SceneModel& model : scene.models) {
+    std::vector<Eigen::Vector3d> ups{Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX(),
+                                     -Eigen::Vector3d::UnitY(), -Eigen::Vector3d::UnitZ()};
+    std::swap(ups[0], ups[random.below(ups.size())]);
+    std::swap(ups[1], ups[1 + random.below(ups.size() - 1)]);
+    ups.resize(1 + random.below(3));
+    if (random.below(2) == 0)
+      ups[0] = Eigen::Vector3d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.3).normalized();
+    first.push_back(layout.models.size());
+    for (SceneModel& body : bodies_of(model, ups)) layout.models.push_back(std::move(body));
+  }
+  for (const TruthPose& truth : scene.truth) {
+    const std::size_t bodies = rest_pose_count(layout.models, first[truth.model]);
+    layout.objects.push_back({first[truth.model] + random.below(bodies), truth.pose});
+  }
+  SimulatedScene made = simulate(layout, DepthSensorSettings::clean(), seed);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    made.scene.objects[i].optional = scene.objects[i].optional;
+  return made;
+}
+
 /// A mask that leaves out a few pixels; those without a reading are unknown then.
 inline void add_mask(Scene& scene, Random& random) {
   scene.mask = Image<std::uint8_t>(scene.depth.width(), scene.depth.height());
@@ -59,7 +87,7 @@ struct SmallProblem {
   std::unique_ptr<LocalizationProblem> problem;
   std::vector<CandidateMaker> makers;
   std::optional<FixedCandidates> refined;  ///< all hypotheses, none valued; copies of it can be
-  CandidateSet set{0};                     ///< all of them valued
+  CandidateSet set;                        ///< all of them valued
 
   SmallProblem(std::uint64_t seed, bool noise, RefineMethod refine, int objects = 3, bool repeats = false,
                bool optional = false)
@@ -105,24 +133,24 @@ struct SmallProblem {
 
  private:
   template <typename Visit>
-  void extend(std::size_t model, std::size_t first, std::vector<CandidateId>& placed, std::vector<int>& left,
+  void extend(std::size_t kind, std::size_t first, std::vector<CandidateId>& placed, std::vector<int>& left,
               Visit& visit) const {
-    while (model < left.size() && left[model] == 0) {
-      ++model;
+    while (kind < left.size() && left[kind] == 0) {
+      ++kind;
       first = 0;
     }
-    if (model == left.size()) {
+    if (kind == left.size()) {
       std::vector<CandidateId> sorted = placed;
       std::sort(sorted.begin(), sorted.end());
       visit(sorted);
       return;
     }
-    const auto& ids = set.of_model(model);
+    const auto& ids = set.of_kind(kind);
     for (std::size_t i = first; i < ids.size(); ++i) {
       placed.push_back(ids[i]);
-      --left[model];
-      extend(model, i, placed, left, visit);
-      ++left[model];
+      --left[kind];
+      extend(kind, i, placed, left, visit);
+      ++left[kind];
       placed.pop_back();
     }
   }

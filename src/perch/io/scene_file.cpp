@@ -13,7 +13,6 @@
 #include "perch/io/model_names.hpp"
 #include "perch/io/png.hpp"
 #include "perch/io/yaml_entry.hpp"
-#include "perch/model/rest_orientation.hpp"
 #include "perch/model/rest_poses.hpp"
 
 namespace perch {
@@ -194,22 +193,6 @@ std::vector<Eigen::Vector3d> read_rest_poses(const YamlEntry& entry, const Scene
     ups.push_back(up);
   }
   return ups;
-}
-
-/// The model in each of the orientations in which it may rest. \param model upright, as loaded.
-std::vector<SceneModel> bodies_of(const SceneModel& model, const std::vector<Eigen::Vector3d>& ups) {
-  std::vector<SceneModel> bodies;
-  for (const Eigen::Vector3d& up : ups) {
-    SceneModel body = model;
-    body.rest_pose = static_cast<int>(bodies.size());
-    body.up = up;
-    body.stood_from_model = stood_from_model(model.mesh, up);
-    body.mesh = transformed(model.mesh, body.stood_from_model);
-    // What is declared is a symmetry about the model's own z.
-    if (rotation_to_up(up).col(2).cwiseAbs() != Eigen::Vector3d::UnitZ()) body.symmetry = Symmetry::none();
-    bodies.push_back(std::move(body));
-  }
-  return bodies;
 }
 
 std::vector<SceneModel> read_model(const std::string& name, const YamlEntry& entry, const fs::path& folder,

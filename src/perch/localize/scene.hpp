@@ -41,6 +41,11 @@ inline std::size_t rest_pose_count(const std::vector<SceneModel>& models, std::s
   return next - kind_of(models, body);
 }
 
+/// The bodies of a model, one for each direction that may point up. What symmetry it has about its own z
+/// holds where that stands upright or upside down; lying it is taken to have none. \param upright the model
+/// as loaded. \param ups in its frame, unit length.
+std::vector<SceneModel> bodies_of(const SceneModel& upright, const std::vector<Eigen::Vector3d>& ups);
+
 /// A model's pose in the scene: of the body that `model` counts into Scene::models.
 struct PlacedModel {
   std::size_t model = 0;

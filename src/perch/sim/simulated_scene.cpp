@@ -57,7 +57,7 @@ Scene unobserved_scene(const SceneLayout& layout) {
   scene.workspace = layout.workspace;
   scene.models = layout.models;
   for (const auto& [model, pose] : layout.objects) {
-    scene.objects.push_back(model);
+    scene.objects.push_back(kind_of(layout.models, model));
     scene.truth.push_back({model, pose, layout.models[model].symmetry});
   }
   return scene;

@@ -21,7 +21,7 @@ struct SimulatedScene {
 struct SceneLayout {
   std::string name;
   Camera camera;
-  std::vector<SceneModel> models;
+  std::vector<SceneModel> models;    ///< as Scene::models: bodies
   std::vector<PlacedModel> objects;  ///< on the support plane z = 0
   Workspace workspace;
 };
