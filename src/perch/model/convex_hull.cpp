@@ -105,7 +105,7 @@ VolumeCentroid volume_centroid(const Mesh& mesh) {
   return sum;
 }
 
-double diameter(const Mesh& hull) {
+double hull_diameter(const Mesh& hull) {
   double most = 0.0;
   for (std::size_t i = 0; i < hull.vertices.size(); ++i)
     for (std::size_t j = i + 1; j < hull.vertices.size(); ++j)

@@ -21,6 +21,6 @@ VolumeCentroid volume_centroid(const Mesh& mesh);
 
 /// The largest distance of any two of the vertices, metres. \param hull a convex hull, whose vertices are
 /// few.
-double diameter(const Mesh& hull);
+double hull_diameter(const Mesh& hull);
 
 }  // namespace perch

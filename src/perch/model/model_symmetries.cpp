@@ -44,6 +44,20 @@ ModelSymmetries ModelSymmetries::about_z(const Symmetry& symmetry) {
   return all;
 }
 
+std::vector<Eigen::Isometry3d> ModelSymmetries::motions(int steps) const {
+  std::vector<Eigen::Isometry3d> all{Eigen::Isometry3d::Identity()};
+  all.insert(all.end(), discrete.begin(), discrete.end());
+  const std::size_t apart = all.size();
+  for (const Axis& axis : continuous)
+    for (int i = 1; i < steps; ++i) {
+      const Eigen::Isometry3d turn = Eigen::Translation3d(axis.point) *
+                                     Eigen::AngleAxisd(2.0 * std::numbers::pi * i / steps, axis.direction) *
+                                     Eigen::Translation3d(-axis.point);
+      for (std::size_t m = 0; m < apart; ++m) all.push_back(turn * all[m]);
+    }
+  return all;
+}
+
 bool ModelSymmetries::equal_ups(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double tolerance) const {
   const auto same_around = [&](const Eigen::Vector3d& moved) {
     if (angle_between(moved, b) <= tolerance) return true;

@@ -22,6 +22,9 @@ struct ModelSymmetries {
   static ModelSymmetries about_z(const Symmetry& symmetry);
 
   bool empty() const { return discrete.empty() && continuous.empty(); }
+  /// The identity and the motions themselves, those about an axis in `steps` steps of a turn, and each of the
+  /// discrete ones followed by these: what BOP takes the least error over.
+  std::vector<Eigen::Isometry3d> motions(int steps) const;
   /// True where some of these motions, or one of the discrete ones followed by a turn about an axis, takes
   /// what points along `a` to where `b` points, within `tolerance` (radians): the model then looks the same
   /// whichever of the two points up. \param a, b model frame, unit length.

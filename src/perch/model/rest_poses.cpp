@@ -67,7 +67,7 @@ bool is_upright(const StablePose& pose) {
 std::vector<StablePose> rest_poses(const Mesh& mesh, const ModelSymmetries& symmetries,
                                    const RestPoseSettings& settings) {
   const Mesh hull = convex_hull(mesh);
-  const double across = diameter(hull);
+  const double across = hull_diameter(hull);
   const VolumeCentroid of_hull = volume_centroid(hull);
   if (!(of_hull.volume > thinnest * across * across * across)) throw InputError("is flat or nearly so");
   Eigen::Vector3d centre = of_hull.centroid;
