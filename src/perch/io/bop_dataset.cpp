@@ -32,15 +32,23 @@ std::vector<std::string> folders_in(const fs::path& folder) {
   return names;
 }
 
+/// \param within whose folders the message names, unless they are very many.
 void require_folder(const fs::path& folder, const fs::path& within, const std::string& remedy) {
+  constexpr std::size_t most_named = 20;
   std::error_code ignored;
   if (fs::is_directory(folder, ignored)) return;
+  const std::vector<std::string> known = folders_in(within);
+  if (known.size() > most_named)
+    throw InputError(fmt::format("{}: no such folder; {} there are {}, from {} to {}", shown(folder), remedy,
+                                 known.size(), one_line(known.front()), one_line(known.back())));
   throw InputError(fmt::format("{}: no such folder; {} {}", shown(folder), remedy,
-                               did_you_mean(folder.filename().string(), folders_in(within))));
+                               did_you_mean(folder.filename().string(), known)));
 }
 
 fs::path models_folder(const fs::path& folder, const std::string& named) {
   std::error_code ignored;
+  if (!fs::is_directory(folder, ignored))
+    throw InputError(fmt::format("{}: no such folder; give that of a data set in BOP layout", shown(folder)));
   if (named.empty())
     for (const char* name : {"models", "models_eval", "models_cad"})
       if (fs::is_directory(folder / name, ignored)) return folder / name;
@@ -136,9 +144,7 @@ BopDataset::BopDataset(const fs::path& folder, const BopOptions& options)
     : folder_(folder),
       name_(name_of(folder)),
       options_(options),
-      models_((require_folder(folder, folder.parent_path(), "give the folder of a data set;"),
-               models_folder(folder, options.models)),
-              options.upright) {
+      models_(models_folder(folder, options.models), options.upright) {
   require_folder(folder / options.split, folder, "give one with --split;");
 }
 
