@@ -15,15 +15,15 @@ namespace perch {
 
 /// How far an estimated pose is off, by every metric (docs/evaluation.md).
 struct PoseErrors {
-  double translation = 0.0;      ///< in x and y, metres
-  double yaw = 0.0;              ///< modulo the truth's symmetry, radians; 0 where that is continuous
-  bool other_rest_pose = false;  ///< it rests in another way than the truth; yaw is pi then
-  double add = 0.0;              ///< metres
-  double add_s = 0.0;            ///< metres
-  double mssd = 0.0;             ///< metres
-  double mspd = 0.0;  ///< pixels of an image 640 wide; infinite where the object isn't in front of the
-                      ///< camera
+  double translation = 0.0;  ///< in x and y, metres
+  double yaw = 0.0;          ///< modulo the truth's symmetry, radians; 0 where that is continuous
+  double add = 0.0;          ///< metres
+  double add_s = 0.0;        ///< metres
+  double mssd = 0.0;         ///< metres
+  double mspd = 0.0;         ///< pixels of an image 640 wide; infinite where the object isn't in front of the
+                             ///< camera
   std::array<double, tolerance_count> vsd{};  ///< at each tolerance, in [0, 1]
+  bool other_rest_pose = false;               ///< than the truth's: no threshold holds, and yaw is pi
 };
 
 /// The flat J of the true scene, and of that scene with one object at its estimated pose instead.

@@ -55,6 +55,52 @@ const std::vector<TruthPose> three_blocks{{0, {-0.2, 0.0, 0.1}, Symmetry::none()
                                           {1, {0.2, 0.0, 0.0}, Symmetry::n_fold(4)},
                                           {0, {0.0, 0.1, -2.0}, Symmetry::none()}};
 
+TEST(SceneEvaluator, InAnotherRestPoseItIsWrongByHowFarTheModelTurned) {
+  Scene scene = scene_of({});
+  const SceneModel block = scene.models.front();
+  scene.models = bodies_of(block, {Eigen::Vector3d::UnitZ(), Eigen::Vector3d(0.0, 0.6, 0.8)});
+  const Pose at{0.05, -0.02, 0.3};
+  scene.truth = {{1, at, Symmetry::none()}};
+  scene.objects = {0};
+  const SceneEvaluator evaluator(scene, "s", 0.0);
+  const ObjectRecord right = evaluator.evaluate(result_of({{1, at}})).objects.at(0);
+  EXPECT_EQ(right.verdict(tightest_threshold), Verdict::within);
+  EXPECT_FALSE(right.errors->other_rest_pose);
+  const ObjectRecord wrong = evaluator.evaluate(result_of({{0, at}})).objects.at(0);
+  ASSERT_TRUE(wrong.errors);
+  EXPECT_TRUE(wrong.errors->other_rest_pose);
+  EXPECT_EQ(wrong.verdict({1.0, 10.0}), Verdict::missed) << "whatever the threshold";
+  EXPECT_EQ(wrong.errors->translation, 0.0);
+  // Its vertices, in the model's own frame, are as far apart as the two motions take them.
+  const auto world_from_model = [&](std::size_t body) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translate(Eigen::Vector3d(at.x, at.y, 0.0));
+    pose.rotate(Eigen::AngleAxisd(at.yaw, Eigen::Vector3d::UnitZ()));
+    return pose * scene.models[body].stood_from_model;
+  };
+  double sum = 0.0, most = 0.0;
+  for (const Eigen::Vector3f& p : block.mesh.vertices) {
+    const Eigen::Vector3d v = p.cast<double>();
+    const double distance = (world_from_model(0) * v - world_from_model(1) * v).norm();
+    sum += distance;
+    most = std::max(most, distance);
+  }
+  EXPECT_NEAR(wrong.errors->add, sum / static_cast<double>(block.mesh.vertices.size()), 1e-7);
+  EXPECT_NEAR(wrong.errors->mssd, most, 1e-7);
+  EXPECT_GT(most, 0.02);
+}
+
+// Of two copies each goes to the truth that rests as it does, though the other lies nearer by a little.
+TEST(SceneEvaluator, CopiesAreAssignedByHowTheyRest) {
+  Scene scene = scene_of({});
+  scene.models = bodies_of(scene.models.front(), {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY()});
+  scene.truth = {{0, {0.0, 0.0, 0.0}, Symmetry::none()}, {1, {0.004, 0.0, 0.0}, Symmetry::none()}};
+  scene.objects = {0, 0};
+  const SceneRecord record =
+      SceneEvaluator(scene, "s", 0.0).evaluate(result_of({{1, {0.0, 0.0, 0.0}}, {0, {0.004, 0.0, 0.0}}}));
+  for (const ObjectRecord& object : record.objects) EXPECT_FALSE(object.errors->other_rest_pose);
+}
+
 TEST(SceneEvaluator, TheTruthIsRightByEveryMetric) {
   const Scene scene = scene_of(three_blocks);
   const SceneRecord record =

@@ -100,6 +100,34 @@ TEST(ResultFile, ReadsWhatIsWritten) {
   EXPECT_EQ(read_back.stats.work, r.stats.work);
 }
 
+TEST(ResultFile, RestPosesAreWrittenOnlyWhereThereAreSeveral) {
+  Result r = a_result();
+  EXPECT_EQ(to_json(r).find("rest_pose"), std::string::npos);
+  r.objects[0].rest_pose = 1;
+  r.objects[0].runner_up->rest_pose = 0;
+  r.search_objects[1].rest_pose = 1;
+  Scene resting = scene();  // the mug in two ways, and the can
+  resting.models.insert(resting.models.begin() + 1, resting.models[0]);
+  resting.models[1].rest_pose = 1;
+  resting.objects = {0, 2};
+  const TemporaryDirectory directory;
+  const auto file = directory.write("result.json", to_json(r));
+  const ReportedResult read_back = read_result(file, resting);
+  EXPECT_EQ(read_back.objects[0].model, 1U);
+  EXPECT_EQ(read_back.objects[0].runner_up->rest_pose, 0);
+  EXPECT_EQ(read_back.objects[1].model, 2U);
+  EXPECT_EQ(read_back.search_objects[0].model, 2U);
+  EXPECT_EQ(read_back.search_objects[1].model, 1U);
+
+  Json json = Json::parse(to_json(r));
+  for (const Json& index : {Json(2), Json(-1), Json(0.5), Json("one"), Json(nullptr), Json(1e300)}) {
+    json["objects"][0]["rest_pose"] = index;
+    const auto bad = directory.write("bad.json", json.dump());
+    EXPECT_THAT(input_error([&] { read_result(bad, resting); }), HasSubstr("objects[0].rest_pose: "));
+  }
+  EXPECT_THAT(input_error([&] { read_result(file, scene()); }), HasSubstr("rest_pose"));
+}
+
 TEST(ResultFile, ReadsNullsAndAbsentObjects) {
   Json json = Json::parse(to_json(a_result()));
   for (const char* key : {"cost", "cost_observed", "cost_rendered", "search_cost", "suboptimality_bound"})

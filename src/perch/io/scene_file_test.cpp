@@ -78,6 +78,32 @@ TEST(SceneFile, ReadsJsonAndLeavesOptionalPartsEmpty) {
   EXPECT_TRUE(scene.truth.empty());
 }
 
+TEST(SceneFile, ReadsOneBodyForEachRestPose) {
+  const TemporaryDirectory dir;
+  write_scene_files(dir);
+  std::string text = replaced(scene_text, "symmetry: continuous",
+                              "symmetry: continuous, rest_poses: [[0, 0, 2], [0, 0, -1], [0, -3, 0]]");
+  text = replaced(text, "yaw: 1.2", "yaw: 1.2, rest_pose: 0");
+  const Scene scene = read_scene(dir.write("scene.yaml", text));
+  ASSERT_EQ(scene.models.size(), 5U);
+  const std::vector<std::size_t> kinds{0, 1, 1, 1, 4};
+  for (std::size_t m = 0; m < 5; ++m) {
+    EXPECT_EQ(scene.kind(m), kinds[m]);
+    EXPECT_EQ(rest_pose_count(scene.models, m), kinds[m] == 1 ? 3U : 1U);
+    EXPECT_EQ(scene.models[m].name, (std::vector<std::string>{"mug", "can", "can", "can", "box"}[m]));
+    EXPECT_NEAR(scene.models[m].mesh.bounds().min().z(), 0.0F, 1e-7F);
+  }
+  EXPECT_EQ(scene.objects, (std::vector<SceneObject>{0, 0, 1})) << "objects are of models";
+  EXPECT_EQ(scene.models[1].stood_from_model.matrix(), Eigen::Matrix4d::Identity());
+  EXPECT_EQ(scene.models[1].symmetry, Symmetry::continuous());
+  EXPECT_EQ(scene.models[2].symmetry, Symmetry::continuous()) << "on its head";
+  EXPECT_EQ(scene.models[3].symmetry, Symmetry::none()) << "lying";
+  EXPECT_EQ(scene.models[3].up, Eigen::Vector3d(0.0, -1.0, 0.0));
+  EXPECT_LT(
+      (scene.models[3].stood_from_model.linear() * scene.models[3].up - Eigen::Vector3d::UnitZ()).norm(),
+      1e-12);
+}
+
 TEST(SceneFile, ReadsAbsolutePathsAndTheCurrentDirectory) {
   const TemporaryDirectory dir, elsewhere;
   write_scene_files(dir);

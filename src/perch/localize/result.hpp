@@ -44,14 +44,14 @@ struct CostRecord {
 struct ResultPose {
   std::string model;
   Pose pose;
-  std::optional<int> rest_pose;  ///< which of the model's orientations; empty where it has one
+  std::optional<int> rest_pose = std::nullopt;  ///< which of the model's orientations; empty where it has one
 };
 
 /// The next best pose of an object, all others as they are.
 struct RunnerUp {
   Pose pose;
-  std::int64_t cost_increase = 0;  ///< of J
-  std::optional<int> rest_pose;    ///< as ResultPose::rest_pose
+  std::int64_t cost_increase = 0;               ///< of J
+  std::optional<int> rest_pose = std::nullopt;  ///< as ResultPose::rest_pose
 };
 
 /// One object of the scene as reported.
@@ -60,7 +60,7 @@ struct ObjectResult {
   bool absent = false;  ///< an optional object that was left out, or one that a baseline found no pose of:
                         ///< nothing below holds
   Pose pose;
-  std::optional<int> rest_pose;  ///< as ResultPose::rest_pose
+  std::optional<int> rest_pose = std::nullopt;  ///< as ResultPose::rest_pose
   /// Of the model's own frame, not turned to how it rests.
   Eigen::Isometry3d world_from_model = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d camera_from_model = Eigen::Isometry3d::Identity();
