@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "perch/core/error.hpp"
@@ -14,8 +13,10 @@
 namespace perch {
 namespace {
 
-constexpr double flatness = 1e-3;         // of the diameter
-constexpr double thinnest = 1e-6;         // of the volume of a cube of that size: below it, it is flat
+constexpr double flatness = 1e-3;  // of the diameter
+constexpr double thinnest = 1e-6;  // of the volume of a cube of that size: below it, it is flat
+constexpr std::size_t most_compared =
+    64;                                   // poses: a thing with more is a rock, on which none is like another
 constexpr double declared_within = 0.05;  // radians: files hold rounded axes, scanned faces are not even
 
 /// The face that the body tips over to, or nothing where it stays. It always goes down, so that it ends.
@@ -37,10 +38,15 @@ std::vector<StablePose> held_by_faces(const std::vector<HullFace>& faces, double
   std::vector<double> share(faces.size(), 0.0);
   double sum = 0.0;
   for (const HullFace& face : faces) sum += face.solid_angle;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    std::size_t at = f;
-    while (const auto next = next_face(faces, at, least_rise, least_fall)) at = *next;
-    share[at] += faces[f].solid_angle / sum;
+  // From the lowest up, so that it is known where the next face, which is lower, leads.
+  std::vector<std::size_t> by_height(faces.size()), end(faces.size());
+  std::iota(by_height.begin(), by_height.end(), std::size_t{0});
+  std::stable_sort(by_height.begin(), by_height.end(),
+                   [&](std::size_t a, std::size_t b) { return faces[a].height < faces[b].height; });
+  for (const std::size_t f : by_height) {
+    const auto next = next_face(faces, f, least_rise, least_fall);
+    end[f] = next ? end[*next] : f;
+    share[end[f]] += faces[f].solid_angle / sum;
   }
   std::vector<StablePose> poses;
   for (std::size_t f = 0; f < faces.size(); ++f)
@@ -94,7 +100,8 @@ std::vector<StablePose> rest_poses(const Mesh& mesh, const ModelSymmetries& symm
     found.up = snapped(pose.up, 0.5 * settings.tolerance / radius);
     const auto same = [&](const StablePose& other) {
       return (other.up - found.up).norm() * radius <= settings.tolerance ||
-             symmetries.equal_ups(other.up, found.up, declared_within) || shape.equal_ups(other.up, found.up);
+             symmetries.equal_ups(other.up, found.up, declared_within) ||
+             (poses.size() < most_compared && shape.equal_ups(other.up, found.up));
     };
     const auto known = std::find_if(poses.begin(), poses.end(), same);
     if (known == poses.end()) {

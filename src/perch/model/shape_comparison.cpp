@@ -2,13 +2,13 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nanoflann.hpp>
 #include <numbers>
 #include <span>
 
 #include "perch/core/random.hpp"
-#include "perch/model/surface_samples.hpp"
 
 namespace perch {
 namespace {
@@ -47,6 +47,38 @@ std::vector<Eigen::Vector3d> drawn_from(const Mesh& mesh, const Eigen::Vector3d&
     points.push_back((1.0 - s) * mesh.vertices[i].cast<double>() +
                      s * (1.0 - t) * mesh.vertices[j].cast<double>() +
                      s * t * mesh.vertices[k].cast<double>() - centre);
+  }
+  return points;
+}
+
+/// Points such that every point of the surface has one within two thirds of `spacing`: the centroids of its
+/// triangles, halved across their longest sides until none is longer. Also of needles, which thin solids of
+/// revolution are made of, there are no more than their length asks for.
+std::vector<Eigen::Vector3f> spread_over(const Mesh& mesh, double spacing) {
+  using Corners = std::array<Eigen::Vector3f, 3>;
+  const auto longest = static_cast<float>(spacing * spacing);
+  std::vector<Eigen::Vector3f> points;
+  std::vector<Corners> open;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    open.push_back({mesh.vertices[i], mesh.vertices[j], mesh.vertices[k]});
+    while (!open.empty()) {
+      const Corners c = open.back();
+      open.pop_back();
+      std::size_t side = 0;
+      float squared = -1.0F;
+      for (std::size_t s = 0; s < 3; ++s)
+        if (const float length = (c[(s + 1) % 3] - c[s]).squaredNorm(); length > squared) {
+          squared = length;
+          side = s;
+        }
+      if (squared <= longest) {
+        points.push_back((c[0] + c[1] + c[2]) / 3.0F);
+        continue;
+      }
+      const Eigen::Vector3f middle = 0.5F * (c[side] + c[(side + 1) % 3]);
+      open.push_back({c[side], middle, c[(side + 2) % 3]});
+      open.push_back({middle, c[(side + 1) % 3], c[(side + 2) % 3]});
+    }
   }
   return points;
 }
@@ -106,12 +138,14 @@ struct ShapeComparison::Tree {
 
 ShapeComparison::ShapeComparison(const Mesh& mesh, const Eigen::Vector3d& centre, double tolerance)
     : probes_(drawn_from(mesh, centre)), tolerance_(tolerance) {
-  // Spacing half the tolerance, unless that makes more points than are worth it.
-  constexpr double most_points = 60000.0;
-  const double spacing = std::max(0.5 * tolerance, std::sqrt(area(mesh) / most_points));
-  Tree::Points points{sample_surface(mesh, static_cast<float>(spacing))};
+  // Spacing half the tolerance, unless that makes more points than are worth it. The last of the three also
+  // holds where rounding would keep a side from getting shorter.
+  constexpr double most_points = 30000.0, of_size = 0.003;
+  const double size = mesh.bounds().sizes().cast<double>().norm();
+  const double spacing = std::max({0.5 * tolerance, std::sqrt(area(mesh) / most_points), of_size * size});
+  Tree::Points points{spread_over(mesh, spacing)};
   for (Eigen::Vector3f& p : points.all) p -= centre.cast<float>();
-  tree_ = std::make_unique<Tree>(std::move(points), spacing / std::numbers::sqrt3);
+  tree_ = std::make_unique<Tree>(std::move(points), 2.0 / 3.0 * spacing);
   for (const Eigen::Vector3f& p : mesh.vertices) corners_.push_back(p.cast<double>() - centre);
   axis_ = axis_of_revolution(mesh);
   for (const Eigen::Vector3d& p : corners_) radius_ = std::max(radius_, p.norm());

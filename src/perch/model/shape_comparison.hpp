@@ -22,8 +22,9 @@ class ShapeComparison {
 
   /// True where the shape standing with `a` up looks like the shape standing with `b` up, but for a turn and
   /// a shift on the plane: 95 of 100 points spread over the surface of the one lie within the tolerance of
-  /// the other, and no point farther than three times that. Each is found with an error of at most a third
-  /// of the tolerance, upwards. \param a, b model frame, unit length.
+  /// the other, and no point farther than three times that. Distances are known to a third of the tolerance,
+  /// of things of more than 0.05 square metres to 0.4 % of the square root of their surface, and what may be
+  /// within the tolerance is taken as within. \param a, b model frame, unit length.
   bool equal_ups(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
 
  private:
