@@ -22,7 +22,7 @@ struct Counts {
 struct Valuing {
   ObservedMug mug;
   DeltaIndex index{mug.observation, 0.005, SerialExecutor()};
-  ExplanationCost cost{mug.observation, index, MissingDepth::unexplained};
+  ExplanationCost cost{mug.observation, index, CostSettings{}};
   Composite nothing = cost.empty();
   KdTree observed{mug.observation.points()};
   LoneCost lone{cost};

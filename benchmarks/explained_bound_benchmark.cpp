@@ -41,7 +41,7 @@ struct Question {
   }
 
   std::vector<Run> explained() const {
-    const ExplanationCost cost(mug.observation, index, MissingDepth::unexplained);
+    const ExplanationCost cost(mug.observation, index, CostSettings{});
     LoneValue value;
     LoneCost(cost).value(mug.rendered, value);
     return value.explained;

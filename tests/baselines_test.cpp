@@ -164,7 +164,7 @@ struct Proposals {
       : scene(tabletop(seed, 3, 160).scene),
         prepared(prepare(scene, executor, StopCondition())),
         index(prepared.observation, 0.005, executor),
-        cost(prepared.observation, index, MissingDepth::unexplained),
+        cost(prepared.observation, index, CostSettings{}),
         aligner(prepared, refine, executor, StopCondition()) {
     refine.method = RefineMethod::none;
     Random random(seed);

@@ -20,6 +20,7 @@ CandidateSet some_of(const LocalizationProblem& problem, const CandidateSet& set
   std::vector<CandidateId> chosen;
   for (std::size_t kind = 0; kind < problem.kinds(); ++kind) {
     std::vector<CandidateId> ids = set.of_kind(kind);
+    if (ids.empty()) continue;  // of a model that is not looked for
     std::stable_sort(ids.begin(), ids.end(), [&](CandidateId a, CandidateId b) {
       return set[a].explained_count > set[b].explained_count;
     });
@@ -43,6 +44,7 @@ std::unique_ptr<SmallProblem> problem_of_few(std::uint64_t seed) {
   if (random.below(2) == 0) add_mask(simulated.scene, random);
   Settings settings = small_settings(random.below(3) == 0 ? RefineMethod::none : RefineMethod::icp);
   if (random.below(2) == 0) settings.candidates.cost.missing_depth = MissingDepth::ignore;
+  add_clutter(simulated.scene, settings, random);
   auto small = std::make_unique<SmallProblem>(std::move(simulated), settings);
   small->set = some_of(*small->problem, small->set, 6, random);
   return small;

@@ -53,6 +53,7 @@ TEST_F(RestPoses, AreFoundCheckedAndHeldAgainstTheTruth) {
   EXPECT_THAT(outcome.out, HasSubstr("jug, rest pose 2"));
   const Json result = json("out/jugs/result.json");
   check_certificate(result);
+  EXPECT_THAT(result.at("guarantee").at("over").get<std::string>(), HasSubstr("rest pose"));
   std::vector<int> found;
   for (const Json& object : result.at("objects")) {
     if (object.at("model") == "can") {

@@ -51,6 +51,15 @@ class SceneRefusals : public CommandLine {
   }
 };
 
+TEST_F(SceneRefusals, Clutter) {
+  change_refused("depth_scale: ", "clutter: maybe\n  depth_scale: ",
+                 {"observation.clutter", "maybe", "neither true nor false"});
+  expect_refused(coarse({"localize", "scene.yaml", "-o", "out", "--set", "cost.clutter_weight=0"}),
+                 {"cost.clutter_weight", "0", "between 1/64 and 1"});
+  expect_refused(coarse({"localize", "scene.yaml", "-o", "out", "--set", "cost.clutter_points=none"}),
+                 {"cost.clutter_points", "none", "charge, ignore"});
+}
+
 TEST_F(SceneRefusals, Files) {
   expect_refused({"localize", "none.yaml", "-o", "out"}, {"none.yaml", "no such file"});
   expect_refused({"localize", "models", "-o", "out"}, {"models", "is a directory"});

@@ -20,7 +20,8 @@ namespace {
 
 constexpr int problems = 240;
 
-/// A random scene of 2 to 4 objects, of models that may rest in several ways in one of five.
+/// A random scene of 2 to 4 objects, some of them with clutter, and of models that may rest in several ways
+/// in one of five.
 std::unique_ptr<SmallProblem> random_problem(std::uint64_t seed) {
   Random random(seed);
   const bool noise = random.below(2) == 0, repeats = random.below(4) == 0;
@@ -28,7 +29,9 @@ std::unique_ptr<SmallProblem> random_problem(std::uint64_t seed) {
   const int objects = 2 + static_cast<int>(random.below(3));
   SimulatedScene simulated = small_tabletop(seed, noise, objects, repeats, random.below(4) == 0);
   if (seed % 5 == 0) simulated = with_rest_poses(simulated, seed);
-  auto small = std::make_unique<SmallProblem>(std::move(simulated), small_settings(refine));
+  Settings settings = small_settings(refine);
+  add_clutter(simulated.scene, settings, random);
+  auto small = std::make_unique<SmallProblem>(std::move(simulated), settings);
   if (random.below(3) == 0) small->settings.tree = {0.0, 0};
   return small;
 }

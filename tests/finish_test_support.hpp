@@ -59,7 +59,7 @@ struct FinishProblem {
     std::vector<Eigen::Vector3f> rendered;
     for (int v = composite.window.v0; v < composite.window.v1; ++v)
       for (int u = composite.window.u0; u < composite.window.u1; ++u)
-        if (composite.at(u, v) < no_surface && problem->cost().counts_at(u, v))
+        if (composite.at(u, v) < no_surface && problem->cost().counts_at(u, v, composite.at(u, v)))
           rendered.push_back(observation.rays().point(u, v, composite.at(u, v)));
     const float delta_squared = problem->cost().index().delta_squared();
     std::vector<char> explained(rendered.size(), 0);

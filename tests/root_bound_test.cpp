@@ -48,7 +48,7 @@ Best best_of(SmallProblem& small) {
   return best;
 }
 
-/// All candidates of two or three objects; copies, optional objects and unknown pixels among them.
+/// All candidates of two or three objects; copies, optional objects, clutter and unknown pixels among them.
 std::unique_ptr<SmallProblem> problem_of_all(std::uint64_t seed) {
   Random random(seed);
   const int objects = 2 + static_cast<int>(random.below(2));
@@ -58,6 +58,7 @@ std::unique_ptr<SmallProblem> problem_of_all(std::uint64_t seed) {
   Settings settings = small_settings(random.below(2) == 0 ? RefineMethod::none : RefineMethod::icp);
   settings.candidates.grid.yaw_resolution = objects == 2 ? 1.6 : 2.0 * std::numbers::pi;
   if (random.below(2) == 0) settings.candidates.cost.missing_depth = MissingDepth::ignore;
+  add_clutter(simulated.scene, settings, random);
   return std::make_unique<SmallProblem>(std::move(simulated), settings);
 }
 

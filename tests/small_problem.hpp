@@ -65,6 +65,19 @@ inline void add_mask(Scene& scene, Random& random) {
   for (std::size_t i = 0; i < scene.depth.size(); ++i) (*scene.mask)[i] = random.below(20) > 0;
 }
 
+/// In two of three cases something stands in the scene that is not looked for, and costs are those of scenes
+/// with clutter, either way.
+inline void add_clutter(Scene& scene, Settings& settings, Random& random) {
+  const std::uint64_t kind = random.below(3);
+  settings.candidates.cost.clutter_weight = random.uniform(1.0 / 64.0, 1.0);
+  if (kind == 0) return;
+  scene.clutter = true;
+  if (scene.objects.size() > 2) scene.objects.erase(scene.objects.begin());
+  if (kind == 1) return;
+  settings.candidates.cost.clutter_points = ClutterPoints::ignore;
+  for (SceneObject& object : scene.objects) object.optional = false;
+}
+
 /// A grid of few poses.
 inline Settings small_settings(RefineMethod refine) {
   Settings settings;

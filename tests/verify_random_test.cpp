@@ -51,6 +51,11 @@ Arrangement random_arrangement(std::uint64_t seed, int width, int height) {
   CandidateSettings& settings = a.settings.candidates;
   settings.cost.delta = std::pow(10.0, random.uniform(-3.5, -1.3));
   if (random.uniform() < 0.5) settings.cost.missing_depth = MissingDepth::ignore;
+  if (random.uniform() < 0.5) {
+    a.scene.clutter = true;
+    settings.cost.clutter_weight = random.uniform(1.0 / 64.0, 1.0);
+    if (random.uniform() < 0.5) settings.cost.clutter_points = ClutterPoints::ignore;
+  }
   settings.refine.method = RefineMethod::none;
   return a;
 }
@@ -65,6 +70,7 @@ Result report(const Arrangement& a, const LocalizationProblem& problem) {
   result.status = Status::solved;
   result.guarantee.delta = a.settings.candidates.cost.delta;
   result.guarantee.missing_depth = name(a.settings.candidates.cost.missing_depth);
+  result.guarantee.clutter = clutter_of(a.scene, a.settings);
   result.guarantee.collision_penetration = a.settings.candidates.collision.penetration;
   result.guarantee.collision_overlap = a.settings.candidates.collision.overlap;
   return result;

@@ -49,6 +49,7 @@ void add_localize(CLI::App& app, Run& run);
 void add_score(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
 void add_benchmark(CLI::App& app, Run& run);
+void add_inspect(CLI::App& app, Run& run);
 void add_simulate(CLI::App& app, Run& run);
 void add_verify(CLI::App& app, Run& run);  // where it is built
 

@@ -17,6 +17,10 @@ CostOf cost_of(const Scene& scene, const std::string& result_file, const Reporte
     Settings stated;
     set_field(stated, "cost.missing_depth", result.guarantee.missing_depth);
     stated.candidates.cost.delta = result.guarantee.delta;
+    if (const auto& clutter = result.guarantee.clutter) {
+      stated.candidates.cost.clutter_weight = clutter->weight;
+      set_field(stated, "cost.clutter_points", clutter->points);
+    }
     stated.check();
     return options.read(stated);
   });

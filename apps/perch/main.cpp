@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   add_score(app, run);
   add_evaluate(app, run);
   add_benchmark(app, run);
+  add_inspect(app, run);
   add_simulate(app, run);
 #ifdef PERCH_HAS_VERIFY
   add_verify(app, run);

@@ -154,7 +154,7 @@ BaselineAnswer ppf(const Scene& scene, const PpfSettings& settings, const Execut
   const SurfaceSamples observed =
       observed_surface(prepared.observation, settings.normal_radius, executor, stop);
   const DeltaIndex index(prepared.observation, settings.cost.delta, executor, stop);
-  const ExplanationCost cost(prepared.observation, index, settings.cost.missing_depth);
+  const ExplanationCost cost(prepared.observation, index, settings.cost);
   const PoseAligner aligner(prepared, settings.refine, executor, stop);
 
   BaselineAnswer answer;

@@ -3,9 +3,7 @@
 namespace perch {
 
 CandidateFloor::CandidateFloor(const ExplanationCost& cost, const Composite& others)
-    : others_(others),
-      points_(static_cast<std::int64_t>(cost.observation().size())),
-      unexplained_(others.depth.window, [&](int u, int v) {
+    : others_(others), points_(cost.charged_points()), unexplained_(others.depth.window, [&](int u, int v) {
         const std::size_t pixel = others.depth.index(u, v);
         return static_cast<int>(others.depth.depth[pixel] < no_surface && others.explained[pixel] == 0);
       }) {}

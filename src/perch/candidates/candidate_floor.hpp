@@ -30,7 +30,7 @@ class CandidateFloor {
 
  private:
   const Composite& others_;
-  std::int64_t points_;     ///< |I|
+  std::int64_t points_;     ///< of I that cost something
   SummedArea unexplained_;  ///< pixels of the composite
 };
 

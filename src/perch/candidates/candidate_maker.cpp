@@ -23,6 +23,7 @@ std::optional<Candidate> CandidateMaker::make(std::size_t model, const Pose& gri
 }
 
 std::optional<Candidate> CandidateMaker::value(std::size_t model, const Pose& pose) {
+  if (!problem_.admits(model, pose)) return std::nullopt;
   render(model, pose);
   if (!patch_.any()) return std::nullopt;
   return value_rendered(model, pose);
@@ -32,6 +33,7 @@ std::optional<Placing> CandidateMaker::place(const Composite& others, std::size_
                                              bool align, std::int64_t most) {
   const bool refines = problem_.nearest() != nullptr;
   Placing placing{align && refines ? refine(model, pose, &others.depth).pose : pose, {}};
+  if (!problem_.admits(model, placing.pose)) return std::nullopt;
   render(model, placing.pose);
   if (!patch_.any()) return std::nullopt;
   const ThreadStopwatch watch;
@@ -92,7 +94,7 @@ Candidate CandidateMaker::value_rendered(std::size_t model, const Pose& pose) {
   candidate.certain_runs = lone_value_.certain;
   candidate.uncertain_runs = lone_value_.uncertain;
   candidate.explained_pixels = lone_value_.shown;
-  if (candidate.explained_count > 0) candidate.patch = patch_;
+  if (!candidate.explained_pixels.empty()) candidate.patch = patch_;
   seconds_.cost += watch.seconds();
   return candidate;
 }
@@ -116,7 +118,7 @@ void CandidateMaker::add_volumes(Candidate& candidate) const {
       const Eigen::Vector3f p = model_from_camera * observation.points()[i];
       if (solid.signed_distance(p) < -delta) continue;
       reached.insert(i);
-      if (solid.depth_lower_bound(p) > enclosing) enclosed.insert(i);
+      if (problem_.cost().charges_points() && solid.depth_lower_bound(p) > enclosing) enclosed.insert(i);
     }
   candidate.reached = reached.trimmed();
   candidate.enclosed = enclosed.trimmed();

@@ -48,11 +48,11 @@ CoarseDual::CoarseDual(const LocalizationProblem& problem)
     for (std::size_t i = observation.row_begin(v); i < observation.row_begin(v + 1); ++i) {
       const int column = observation.column(i) / side, row = v / side;
       block_of_point_.push_back({static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(row)});
-      ++points_[block_at(column, row)];
+      points_[block_at(column, row)] += problem.cost().charges_points();
     }
   for (std::size_t b = 0; b < blocks; ++b)
     if (points_[b] > 0) with_points_.push_back(static_cast<std::uint32_t>(b));
-  mu_.assign(blocks, coarse_one);
+  mu_.assign(blocks, problem.cost().charges_points() ? coarse_one : 0);
   best_mu_ = mu_;
   mu_slope_.assign(blocks, 0);
   touched_.assign(blocks, 0);
@@ -170,8 +170,9 @@ void CoarseDual::ascend(int iterations, std::int64_t aim, double enough, const E
     }
     const double whole = static_cast<double>(bound) / coarse_one;
     if (iteration == iterations || whole >= enough || relaxation.spent() || stop()) break;
-    const double target =
-        std::min(static_cast<double>(aim), static_cast<double>(problem_.observation().size()));
+    double target = static_cast<double>(aim);
+    if (problem_.cost().charges_points())
+      target = std::min(target, static_cast<double>(problem_.cost().charged_points()));
     if (!step(best, relaxation.share() * std::max(1.0, target - whole))) break;
   }
   recall();

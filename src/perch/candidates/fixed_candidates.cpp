@@ -28,7 +28,7 @@ bool FixedCandidates::refine(const StopCondition& stop) {
           CandidateMaker& maker = makers_[worker];
           const auto [pose, misfit] = maker.refined(model, grid.pose(static_cast<std::int64_t>(i)));
           const Window window = problem_.window(model, pose);
-          if (!window.empty())
+          if (!window.empty() && problem_.admits(model, pose))
             refined[i] = Hypothesis{model, pose, static_cast<float>(misfit), window,
                                     problem_.explained_bound().blocks(
                                         problem_.models()[model], problem_.camera_from_model(model, pose))};

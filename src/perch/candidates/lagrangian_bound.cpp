@@ -12,7 +12,7 @@ Covering covering_of(const LocalizationProblem& problem, const CandidateSet& set
                      std::vector<CandidateId>& ids) {
   const Intrinsics& intrinsics = problem.observation().intrinsics();
   Covering covering;
-  covering.points = problem.observation().size();
+  covering.points = static_cast<std::size_t>(problem.cost().charged_points());
   covering.pixels = static_cast<std::size_t>(intrinsics.width) * static_cast<std::size_t>(intrinsics.height);
   for (std::size_t kind = 0; kind < problem.kinds(); ++kind) {
     if (problem.copies()[kind] == 0) continue;

@@ -52,8 +52,8 @@ class PartialScene {
     for (const OpenSlot& slot : slots_) covering_.copies.push_back(slot.copies);
     covering_.copies.push_back(1);
     number_pixels();
-    covering_.fixed = static_cast<std::int64_t>(explicable.size()) - placed_.observed_count -
-                      static_cast<std::int64_t>(points_.size());
+    covering_.fixed =
+        problem_.cost().charged_points() - placed_.observed_count - static_cast<std::int64_t>(points_.size());
     return true;
   }
 
@@ -133,7 +133,7 @@ class PartialScene {
     for (int v = patch.window.v0; v < patch.window.v1; ++v)
       for (int u = patch.window.u0; u < patch.window.u1; ++u) {
         const float z = patch.at(u, v);
-        if (z < placed_.depth.at_or_none(u, v) && problem_.cost().counts_at(u, v))
+        if (z < placed_.depth.at_or_none(u, v) && problem_.cost().counts_at(u, v, z))
           visible_.back().push_back({pixel(u, v), z, appears.contains(u, v)});
       }
   }

@@ -25,7 +25,7 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
     : settings_((settings.check(), settings)),
       observation_(std::move(observation)),
       index_(observation_, settings.cost.delta, executor, stop),
-      cost_(observation_, index_, settings.cost.missing_depth),
+      cost_(observation_, index_, settings.cost),
       blocks_(observation_, ExplainedBound::block_radius(settings.cost.delta)),
       explained_bound_(observation_.intrinsics(), blocks_, settings.cost.delta, index_.reach()),
       models_(std::move(models)),
@@ -80,6 +80,15 @@ LocalizationProblem::LocalizationProblem(Observation observation, std::vector<Ob
   for (const ObjectModel& model : models_)
     enclosing_depth_.push_back(static_cast<float>(settings_.cost.delta + settings_.collision.penetration) +
                                sample_radius + model.solid().uncertainty() + rounding);
+}
+
+bool LocalizationProblem::admits(std::size_t model, const Pose& pose) const {
+  if (cost_.charges_points()) return true;
+  const Eigen::Vector3d middle =
+      camera_from_model(model, pose) * models_[model].bounds().center().cast<double>();
+  const Intrinsics& k = observation_.intrinsics();
+  const double u = k.fx * middle.x() / middle.z() + k.cx, v = k.fy * middle.y() / middle.z() + k.cy;
+  return middle.z() > 0.0 && u >= 0.0 && u <= k.width - 1.0 && v >= 0.0 && v <= k.height - 1.0;
 }
 
 void LocalizationProblem::render(std::size_t model, const Pose& pose, Rasterizer& rasterizer,

@@ -86,6 +86,9 @@ class LocalizationProblem {
   Eigen::Isometry3d camera_from_model(std::size_t model, const Pose& pose) const {
     return camera_from_world_ * models_[model].world_from_model(pose);
   }
+  /// True for every pose, but where points of I cost nothing only where the middle of the object's box is in
+  /// the image: what is out of view costs nothing there, and would be the best of all.
+  bool admits(std::size_t model, const Pose& pose) const;
   /// The same of the model's own frame, in which it is not turned to the orientation that it rests in.
   Eigen::Isometry3d camera_from_unturned(std::size_t model, const Pose& pose) const {
     return camera_from_world_ * models_[model].world_from_unturned(pose);

@@ -12,6 +12,9 @@ void CostSettings::check() const {
   if (!std::isfinite(delta) || delta <= 0.0 || delta > 0.1)
     throw InvalidSetting(
         fmt::format("cost.delta is {}; the sensor resolution must lie above 0 and up to 0.1 metres", delta));
+  if (!std::isfinite(clutter_weight) || clutter_weight < 1.0 / 64.0 || clutter_weight > 1.0)
+    throw InvalidSetting(
+        fmt::format("cost.clutter_weight is {}; it must lie between 1/64 and 1", clutter_weight));
 }
 
 void enlarge(Composite& composite, const Window& needed) {
@@ -35,8 +38,11 @@ void enlarge(Composite& composite, const Window& needed) {
 }
 
 ExplanationCost::ExplanationCost(const Observation& observation, const DeltaIndex& index,
-                                 MissingDepth missing_depth)
-    : observation_(observation), index_(index), missing_depth_(missing_depth) {}
+                                 const CostSettings& settings)
+    : observation_(observation),
+      index_(index),
+      counted_(observation, settings),
+      charges_points_(settings.charges_points()) {}
 
 Composite ExplanationCost::empty() const {
   Composite composite;
@@ -45,7 +51,7 @@ Composite ExplanationCost::empty() const {
 }
 
 CostCounts ExplanationCost::counts(const Composite& composite) const {
-  return {static_cast<std::int64_t>(observation_.size()) - composite.observed_count, composite.unexplained};
+  return {charged_points() - composite.observed_count, composite.unexplained};
 }
 
 CostCounts ExplanationCost::counts_with(const Composite& composite, const DepthPatch& patch,
@@ -65,7 +71,7 @@ void ExplanationCost::add(Composite& composite, const DepthPatch& patch, CostCha
     for (int u = patch.window.u0; u < patch.window.u1; ++u) {
       const float z = patch.at(u, v);
       const std::size_t pixel = composite.depth.index(u, v);
-      if (!(z < composite.depth.depth[pixel]) || !counts_at(u, v)) continue;
+      if (!(z < composite.depth.depth[pixel]) || !counts_at(u, v, z)) continue;
       composite.depth.depth[pixel] = z;
       composite.explained[pixel] = scratch.appears.contains(u, v);
     }
@@ -85,7 +91,8 @@ void ExplanationCost::change(const Composite& composite, const DepthPatch& patch
   change.appears.reset(patch.window);
   change.hides.reset(patch.window);
   change_rendered(composite, patch, change);
-  if (change.appears.any() || change.hides.any()) change_observed(composite, patch, change);
+  if (charges_points() && (change.appears.any() || change.hides.any()))
+    change_observed(composite, patch, change);
 }
 
 void ExplanationCost::change_rendered(const Composite& composite, const DepthPatch& patch,
@@ -96,7 +103,7 @@ void ExplanationCost::change_rendered(const Composite& composite, const DepthPat
       const float z = row[u];
       if (!(z < no_surface)) continue;
       const float hidden = composite.depth.at_or_none(u, v);
-      if (!(z < hidden) || !counts_at(u, v)) continue;
+      if (!(z < hidden) || !counts_at(u, v, z)) continue;
       if (index_.explained(u, v, z))
         change.appears.insert(u, v);
       else

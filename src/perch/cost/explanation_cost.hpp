@@ -5,6 +5,7 @@
 
 #include "perch/cost/bit_window.hpp"
 #include "perch/cost/cost_settings.hpp"
+#include "perch/cost/counted_depths.hpp"
 #include "perch/observation/delta_index.hpp"
 #include "perch/observation/observation.hpp"
 #include "perch/observation/point_set.hpp"
@@ -25,7 +26,7 @@ struct CostCounts {
 struct Composite {
   DepthPatch depth;                     ///< R_j; no_surface where nothing counts
   std::vector<std::uint8_t> explained;  ///< of each pixel of `depth`: within delta of I
-  PointSet observed;                    ///< the points of I within delta of R_j
+  PointSet observed;                    ///< the points of I within delta of R_j; none where they cost nothing
   std::int64_t observed_count = 0;      ///< size of `observed`
   std::int64_t points = 0;              ///< |R_j|
   std::int64_t unexplained = 0;         ///< points of R_j unexplained by I
@@ -48,8 +49,8 @@ struct CostChange {
 /// to the window of the patch that is added.
 class ExplanationCost {
  public:
-  /// Keeps references; delta is that of the index.
-  ExplanationCost(const Observation& observation, const DeltaIndex& index, MissingDepth missing_depth);
+  /// Keeps references. \param index of the same delta as the settings.
+  ExplanationCost(const Observation& observation, const DeltaIndex& index, const CostSettings& settings);
 
   const Observation& observation() const { return observation_; }
   const DeltaIndex& index() const { return index_; }
@@ -63,11 +64,15 @@ class ExplanationCost {
   CostCounts counts_with(const Composite& composite, const DepthPatch& patch, CostChange& scratch) const;
   void add(Composite& composite, const DepthPatch& patch, CostChange& scratch) const;
 
-  bool counts_everywhere() const { return missing_depth_ == MissingDepth::unexplained; }
-  /// False where a rendered point is left out of R: an unknown pixel, where these are ignored.
-  bool counts_at(int u, int v) const {
-    return missing_depth_ == MissingDepth::unexplained || observation_.state(u, v) != PixelState::unknown;
+  bool counts_everywhere() const { return counted_.everywhere(); }
+  /// False where a rendered point is left out of R.
+  bool counts_at(int u, int v, float z) const { return counted_.counts(u, v, z); }
+  /// How many points of I cost 1 each as long as they are unexplained: all, or none where
+  /// they may belong to clutter and the settings say so.
+  std::int64_t charged_points() const {
+    return charges_points_ ? static_cast<std::int64_t>(observation_.size()) : 0;
   }
+  bool charges_points() const { return charges_points_; }
 
  private:
   void change_rendered(const Composite& composite, const DepthPatch& patch, CostChange& change) const;
@@ -75,7 +80,8 @@ class ExplanationCost {
 
   const Observation& observation_;
   const DeltaIndex& index_;
-  MissingDepth missing_depth_;
+  CountedDepths counted_;
+  bool charges_points_;
 };
 
 }  // namespace perch

@@ -18,17 +18,27 @@ struct BruteForce {
   std::int64_t points = 0;
 };
 
+constexpr int bayer[8][8] = {{0, 32, 8, 40, 2, 34, 10, 42},  {48, 16, 56, 24, 50, 18, 58, 26},
+                             {12, 44, 4, 36, 14, 46, 6, 38}, {60, 28, 52, 20, 62, 30, 54, 22},
+                             {3, 35, 11, 43, 1, 33, 9, 41},  {51, 19, 59, 27, 49, 17, 57, 25},
+                             {15, 47, 7, 39, 13, 45, 5, 37}, {63, 31, 55, 23, 61, 29, 53, 21}};
+
 /// Straight from the definition: R is the nearest surface of the patches, J counts points without a partner.
-BruteForce brute_force(const Observation& observation, const std::vector<DepthPatch>& patches, double delta,
-                       MissingDepth missing) {
-  const float delta_squared = static_cast<float>(delta) * static_cast<float>(delta);
+BruteForce brute_force(const Observation& observation, const DepthImage& depth,
+                       const std::vector<DepthPatch>& patches, const CostSettings& settings) {
+  const auto delta = static_cast<float>(settings.delta);
+  const float delta_squared = delta * delta;
   std::vector<Eigen::Vector3f> rendered;
   for (int v = 0; v < observation.intrinsics().height; ++v)
     for (int u = 0; u < observation.intrinsics().width; ++u) {
       float nearest = no_surface;
       for (const DepthPatch& patch : patches) nearest = std::min(nearest, patch.at_or_none(u, v));
       if (!(nearest < no_surface)) continue;
-      if (missing == MissingDepth::ignore && observation.state(u, v) == PixelState::unknown) continue;
+      if (settings.missing_depth == MissingDepth::ignore && observation.state(u, v) == PixelState::unknown)
+        continue;
+      const bool hidden = depth(u, v) > 0.0F && nearest > depth(u, v) + delta;
+      if (settings.clutter && hidden && bayer[v % 8][u % 8] >= std::lround(64.0 * settings.clutter_weight))
+        continue;
       rendered.push_back(observation.rays().point(u, v, nearest));
     }
   const auto unexplained = [&](const auto& cloud, const auto& by) {
@@ -43,7 +53,8 @@ BruteForce brute_force(const Observation& observation, const std::vector<DepthPa
     }
     return count;
   };
-  return {{unexplained(observation.points(), rendered), unexplained(rendered, observation.points())},
+  return {{settings.charges_points() ? unexplained(observation.points(), rendered) : 0,
+           unexplained(rendered, observation.points())},
           static_cast<std::int64_t>(rendered.size())};
 }
 
@@ -54,14 +65,14 @@ TEST(ExplanationCost, EqualsBruteForceOnRandomScenes) {
     const RandomScene scene = random_scene(seed);
     const Observation observation(scene.camera, scene.depth, scene.mask);
     const DeltaIndex index(observation, scene.delta, executor);
-    for (const MissingDepth missing : {MissingDepth::unexplained, MissingDepth::ignore}) {
-      const ExplanationCost cost(observation, index, missing);
+    for (const CostSettings& settings : cost_variants(scene.delta)) {
+      const ExplanationCost cost(observation, index, settings);
       Composite composite = cost.empty();
       CostChange scratch;
       std::vector<DepthPatch> placed;
       for (const DepthPatch& patch : scene.patches) {
         placed.push_back(patch);
-        const BruteForce expected = brute_force(observation, placed, scene.delta, missing);
+        const BruteForce expected = brute_force(observation, scene.depth, placed, settings);
         ASSERT_EQ(cost.counts_with(composite, patch, scratch), expected.counts);
         cost.add(composite, patch, scratch);
         ASSERT_EQ(cost.counts(composite), expected.counts);
@@ -97,10 +108,11 @@ TEST(ExplanationCost, CountsPointsAtExactlyDelta) {
             at_delta +=
                 (p - observation.rays().point(u, v, patch.at(u, v))).norm() == static_cast<float>(delta);
     const DeltaIndex index(observation, delta, executor);
-    const ExplanationCost cost(observation, index, MissingDepth::unexplained);
+    const CostSettings settings{delta};
+    const ExplanationCost cost(observation, index, settings);
     CostChange scratch;
     EXPECT_EQ(cost.counts_with(cost.empty(), patch, scratch),
-              brute_force(observation, {patch}, delta, MissingDepth::unexplained).counts);
+              brute_force(observation, image, {patch}, settings).counts);
   }
   EXPECT_GT(at_delta, 1000);
 }
@@ -121,10 +133,18 @@ TEST(ExplanationCost, TellsUnknownFromFree) {
   const DeltaIndex index(observation, 0.001, executor);
   const DepthPatch patch{{0, 0, 3, 1}, {1.0F, 1.0F, 1.0F}};
   CostChange scratch;
-  const ExplanationCost formula(observation, index, MissingDepth::unexplained);
+  const ExplanationCost formula(observation, index, {0.001});
   EXPECT_EQ(formula.counts_with(formula.empty(), patch, scratch), (CostCounts{0, 2}));
-  const ExplanationCost ignore(observation, index, MissingDepth::ignore);
+  const ExplanationCost ignore(observation, index, {0.001, MissingDepth::ignore});
   EXPECT_EQ(ignore.counts_with(ignore.empty(), patch, scratch), (CostCounts{0, 1}));
+}
+
+// The share of all pixels that charges for what clutter hides, by the published matrix.
+TEST(ClutterPattern, IsBayersMatrix) {
+  for (int v = 0; v < 16; ++v)
+    for (int u = 0; u < 16; ++u)
+      for (int n = 1; n <= 64; ++n)
+        ASSERT_EQ(charged_by_clutter(u, v, n / 64.0), bayer[v % 8][u % 8] < n) << u << ' ' << v << ' ' << n;
 }
 
 TEST(DeltaIndex, ARangeIsUnexplainedOnlyIfEveryDepthInItIs) {

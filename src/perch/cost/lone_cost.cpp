@@ -91,7 +91,7 @@ void LoneCost::load(const DepthPatch& patch, const Composite* composite) {
     }
     if (cost_.counts_everywhere()) continue;
     for (int u = patch.window.u0; u < patch.window.u1; ++u)
-      if (!cost_.counts_at(u, v)) row[u] = no_surface;
+      if (!cost_.counts_at(u, v, row[u])) row[u] = no_surface;
   }
 }
 
@@ -140,7 +140,7 @@ void LoneCost::add(Composite& composite, const DepthPatch& patch) {
     std::uint8_t* marks = composite.explained.data() + composite.depth.index(composite.depth.window.u0, v) -
                           composite.depth.window.u0;
     for (int u = patch.window.u0; u < patch.window.u1; ++u) {
-      if (!(rendered[u] < depths[u]) || !cost_.counts_at(u, v)) continue;
+      if (!(rendered[u] < depths[u]) || !cost_.counts_at(u, v, rendered[u])) continue;
       composite.points += !(depths[u] < no_surface);
       depths[u] = rendered[u];
       marks[u] = explained[u] < no_surface;
@@ -151,6 +151,7 @@ void LoneCost::add(Composite& composite, const DepthPatch& patch) {
 std::int64_t LoneCost::most_gained(const Composite& composite) const {
   const PixelRows& rows = cost_.index().rows();
   std::int64_t gained = 0;
+  if (!cost_.charges_points()) return gained;
   for (int v = area_.v0; v < area_.v1; ++v) {
     const std::uint32_t* numbers = rows.number.data() + rows.row(v);
     const std::size_t first = numbers[area_.u0], last = area_.u1 < cost_.observation().intrinsics().width
@@ -187,7 +188,7 @@ std::int64_t LoneCost::find_hidden(const Composite& composite, const DepthPatch&
 
 void LoneCost::find_lost(const Composite& composite) {
   lost_.clear();
-  if (hidden_.empty()) return;
+  if (hidden_.empty() || !cost_.charges_points()) return;
   const Observation& observation = cost_.observation();
   const DeltaIndex& index = cost_.index();
   const RaySlopes& rays = observation.rays();
@@ -250,6 +251,10 @@ bool LoneCost::value_loaded(const DepthPatch& patch, LoneValue& value, std::int6
                         nearest_.data(),
                         farthest_.data()};
   if (!PERCH_CALL(value_rendered, frame, most_unexplained, value)) return false;
+  if (!cost_.charges_points()) {
+    value.exposed = value.unexplained;  // the cost says already what hiding is worth
+    return true;
+  }
   if (value.unexplained == value.points) return true;
   // The explained depths that a point of I in a block can be near.
   const int reach = (index.reach() + lane_count - 1) / lane_count;

@@ -26,11 +26,11 @@ class LoneCostTest : public testing::Test {
   void TearDown() override { use_instruction_set(InstructionSet::x86_64_v4); }
 
   /// Returns how many points of I the patches explain.
-  static std::size_t compare(const RandomScene& scene, MissingDepth missing) {
+  static std::size_t compare(const RandomScene& scene, const CostSettings& settings) {
     const SerialExecutor executor;
     const Observation observation(scene.camera, scene.depth, scene.mask);
     const DeltaIndex index(observation, scene.delta, executor);
-    const ExplanationCost cost(observation, index, missing);
+    const ExplanationCost cost(observation, index, settings);
     std::size_t explained = 0;
     for (const DepthPatch& patch : scene.patches) {
       CostChange change;
@@ -40,13 +40,14 @@ class LoneCostTest : public testing::Test {
       for (int v = patch.window.v0; v < patch.window.v1; ++v)
         for (int u = patch.window.u0; u < patch.window.u1; ++u) {
           const float z = patch.at(u, v), seen = observation.depth(u, v);
-          if (!(z < no_surface) || !cost.counts_at(u, v)) continue;
+          if (!(z < no_surface) || !cost.counts_at(u, v, z)) continue;
           const auto pixel = static_cast<std::uint32_t>(v * observation.intrinsics().width + u);
           if (change.appears.contains(u, v)) {
             shown.push_back(pixel);
             continue;
           }
-          exposed += !(seen > 0.0F && seen < z - static_cast<float>(scene.delta));
+          exposed +=
+              !settings.charges_points() || !(seen > 0.0F && seen < z - static_cast<float>(scene.delta));
           (index.unexplained_throughout(u, v, z, z) ? certain : uncertain).push_back(pixel);
         }
       for (const InstructionSet set :
@@ -82,8 +83,8 @@ TEST_F(LoneCostTest, CountsBesideOthersAsTheGeneralCost) {
     const SerialExecutor executor;
     const Observation observation(scene.camera, scene.depth, scene.mask);
     const DeltaIndex index(observation, scene.delta, executor);
-    for (const MissingDepth missing : {MissingDepth::unexplained, MissingDepth::ignore}) {
-      const ExplanationCost cost(observation, index, missing);
+    for (const CostSettings& settings : cost_variants(scene.delta)) {
+      const ExplanationCost cost(observation, index, settings);
       Composite composite = cost.empty();
       CostChange scratch;
       for (const DepthPatch& patch : scene.patches) {
@@ -125,9 +126,9 @@ TEST_F(LoneCostTest, EqualsTheGeneralCount) {
   std::size_t explained = 0;
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    for (const MissingDepth missing : {MissingDepth::unexplained, MissingDepth::ignore}) {
-      explained += compare(random_scene(seed), missing);
-      if (seed <= 60) explained += compare(random_scene(seed, 4), missing);
+    for (const int size : seed <= 60 ? std::vector{1, 4} : std::vector{1}) {
+      const RandomScene scene = random_scene(seed, size);
+      for (const CostSettings& settings : cost_variants(scene.delta)) explained += compare(scene, settings);
     }
     ASSERT_FALSE(testing::Test::HasFailure());
   }

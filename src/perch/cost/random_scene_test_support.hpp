@@ -7,6 +7,7 @@
 
 #include "perch/core/camera.hpp"
 #include "perch/core/random.hpp"
+#include "perch/cost/cost_settings.hpp"
 #include "perch/render/depth_patch.hpp"
 
 namespace perch {
@@ -70,6 +71,14 @@ inline RandomScene random_scene(std::uint64_t seed, int size = 1) {
                                          near + random.uniform(-1, 1) * scene.delta * 2,
                                          spread * random.uniform(), random.uniform(0, 0.5)));
   return scene;
+}
+
+/// The ways in which costs can be counted.
+inline std::vector<CostSettings> cost_variants(double delta) {
+  std::vector<CostSettings> variants{{delta}, {delta, MissingDepth::ignore}};
+  variants.push_back({delta, MissingDepth::unexplained, true, 0.2, ClutterPoints::ignore});
+  variants.push_back({delta, MissingDepth::ignore, true, 0.75, ClutterPoints::charge});
+  return variants;
 }
 
 }  // namespace perch

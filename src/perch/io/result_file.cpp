@@ -80,6 +80,13 @@ class ResultReader {
     return items;
   }
 
+  /// Only where clutter may be in view.
+  static std::optional<Guarantee::Clutter> clutter(const JsonEntry& counted) {
+    if (!counted.contains("clutter")) return std::nullopt;
+    const JsonEntry entry = counted["clutter"];
+    return Guarantee::Clutter{entry["weight"].number(), entry["points"].text()};
+  }
+
   static Guarantee without_guarantee(const JsonEntry& root) {
     if (const JsonEntry entry = root["guarantee"]; !entry.is_null())
       entry.fail("is there, but the method has no bound; give null");
@@ -87,6 +94,7 @@ class ResultReader {
     Guarantee g;
     g.delta = counted["delta"].number();
     g.missing_depth = counted["missing_depth"].text();
+    g.clutter = clutter(counted);
     const CollisionSettings collision;
     g.collision_penetration = collision.penetration;
     g.collision_overlap = collision.overlap;
@@ -99,6 +107,7 @@ class ResultReader {
     g.over = entry["over"].text();
     g.delta = entry["delta"].number();
     g.missing_depth = entry["missing_depth"].text();
+    g.clutter = clutter(entry);
     const JsonEntry collision = entry["collision"];
     g.collision_penetration = collision["penetration"].number();
     g.collision_overlap = collision["overlap"].number();

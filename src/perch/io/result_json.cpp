@@ -57,20 +57,22 @@ Json to_value(const ResultPose& p) {
 
 /// What the costs of a result without a guarantee are counted with.
 Json counted_with(const Guarantee& g) {
-  return {{"delta", g.delta}, {"missing_depth", g.missing_depth}};
+  Json counted{{"delta", g.delta}, {"missing_depth", g.missing_depth}};
+  if (g.clutter) counted["clutter"] = {{"weight", g.clutter->weight}, {"points", g.clutter->points}};
+  return counted;
 }
 
 Json to_value(const Guarantee& g) {
-  return {{"w", g.w},
-          {"over", g.over},
-          {"delta", g.delta},
-          {"missing_depth", g.missing_depth},
-          {"collision", {{"penetration", g.collision_penetration}, {"overlap", g.collision_overlap}}},
-          {"resolution_m", g.resolution_m},
-          {"yaw_resolution_rad", g.yaw_resolution_rad},
-          {"candidates", g.candidates},
-          {"refine", g.refine},
-          {"search", g.search}};
+  Json value{{"w", g.w}, {"over", g.over}};
+  value.update(counted_with(g));
+  value.update(
+      Json{{"collision", {{"penetration", g.collision_penetration}, {"overlap", g.collision_overlap}}},
+           {"resolution_m", g.resolution_m},
+           {"yaw_resolution_rad", g.yaw_resolution_rad},
+           {"candidates", g.candidates},
+           {"refine", g.refine},
+           {"search", g.search}});
+  return value;
 }
 
 Json to_value(const Stats& s) {

@@ -36,11 +36,13 @@ TEST(ResultJson, ReadsBackToTheBit) {
   EXPECT_EQ(j["search_cost"], 830);
   EXPECT_EQ(j["lower_bound"], 64);
   EXPECT_EQ(j["suboptimality_bound"].get<double>(), 830.0 / 64.0);
-  EXPECT_EQ(keys(j["guarantee"]), (Keys{"w", "over", "delta", "missing_depth", "collision", "resolution_m",
-                                        "yaw_resolution_rad", "candidates", "refine", "search"}));
+  EXPECT_EQ(keys(j["guarantee"]),
+            (Keys{"w", "over", "delta", "missing_depth", "clutter", "collision", "resolution_m",
+                  "yaw_resolution_rad", "candidates", "refine", "search"}));
   EXPECT_EQ(j["guarantee"]["delta"], 0.004);
   EXPECT_EQ(j["guarantee"]["missing_depth"], "ignore");
   EXPECT_EQ(j["guarantee"]["collision"], (Json{{"penetration", 0.02}, {"overlap", 0.3}}));
+  EXPECT_EQ(j["guarantee"]["clutter"], (Json{{"weight", 0.25}, {"points", "ignore"}}));
   EXPECT_EQ(j["guarantee"]["over"], r.guarantee.over);
   EXPECT_EQ(j["guarantee"]["candidates"], 3120);
   EXPECT_EQ(keys(j["search_objects"][0]), (Keys{"model", "x", "y", "yaw"}));
@@ -94,7 +96,11 @@ TEST(ResultJson, WithoutABoundThereIsNoGuarantee) {
   EXPECT_EQ(j["method"], "bfwor");
   EXPECT_EQ(j["status"], "unproven");
   EXPECT_TRUE(j["guarantee"].is_null());
-  EXPECT_EQ(j["counted_with"], (Json{{"delta", 0.004}, {"missing_depth", "ignore"}}));
+  EXPECT_EQ(j["counted_with"], (Json{{"delta", 0.004},
+                                     {"missing_depth", "ignore"},
+                                     {"clutter", {{"weight", 0.25}, {"points", "ignore"}}}}));
+  r.guarantee.clutter.reset();
+  EXPECT_FALSE(Json::parse(to_json(r))["counted_with"].contains("clutter"));
 }
 
 TEST(ResultJson, WhatWasNotJudgedIsNull) {

@@ -79,7 +79,8 @@ Camera read_camera(const YamlEntry& entry) {
 }
 
 void read_observation(const YamlEntry& entry, const fs::path& folder, Scene& scene) {
-  const YamlFields fields = entry.fields({"depth", "depth_scale", "mask", "cloud", "color", "background"});
+  const YamlFields fields =
+      entry.fields({"depth", "depth_scale", "mask", "cloud", "color", "background", "clutter"});
   if (const YamlEntry* cloud = fields.optional("cloud"))
     cloud->fail("reading clouds is not built yet; give observation.depth, a 16-bit PNG");
   if (const YamlEntry* background = fields.optional("background")) {
@@ -92,6 +93,7 @@ void read_observation(const YamlEntry& entry, const fs::path& folder, Scene& sce
       background->fail(fmt::format("{} is no background; {}", background->value(),
                                    did_you_mean(word, {"removed", "table"})));
   }
+  if (const YamlEntry* clutter = fields.optional("clutter")) scene.clutter = clutter->boolean();
   const YamlEntry& scale = fields.required("depth_scale", "give the metres per count, e.g. 0.001");
   scene.depth_scale = scale.number("metres per count");
   if (scene.depth_scale <= 0.0)

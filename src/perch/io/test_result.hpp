@@ -17,6 +17,7 @@ inline Result a_result() {
                  .over = "scenes",
                  .delta = 0.004,
                  .missing_depth = "ignore",
+                 .clutter = Guarantee::Clutter{0.25, "ignore"},
                  .collision_penetration = 0.02,
                  .collision_overlap = 0.3,
                  .resolution_m = 0.04,

@@ -73,6 +73,8 @@ class Judge {
     if (!answer) return judgement;  // none of it is in view
     judgement.visible = trials_.visible_points(drawings[place]);
     judgement.support = trials_.cost_without() - answer->cost;
+    // Where points of I cost nothing, it is the object's own points that speak for it.
+    if (!problem_.cost().charges_points()) judgement.support += trials_.explained_points(drawings[place]);
     close_limit_ =
         answer->cost +
         static_cast<std::int64_t>(

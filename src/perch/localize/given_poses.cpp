@@ -30,6 +30,7 @@ Result report_given_poses(const Scene& scene, const std::vector<std::optional<Po
   result.reason = reason_for(scene, poses, stopped, result.method);
   result.guarantee.delta = settings.candidates.cost.delta;
   result.guarantee.missing_depth = name(settings.candidates.cost.missing_depth);
+  result.guarantee.clutter = clutter_of(scene, settings);
   result.stats.threads = static_cast<int>(executor.workers());
   const bool any = std::any_of(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); });
   if (stopped && !any) {

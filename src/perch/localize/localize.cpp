@@ -14,7 +14,7 @@ namespace perch {
 namespace {
 
 /// The set of scenes that the bound holds for.
-std::string range_of(const Settings& settings) {
+std::string range_of(const Scene& scene, const Settings& settings) {
   if (settings.mode == CandidateMode::context)
     return "grid poses after ICP in the context of their parent scene; scenes of the monotone scene "
            "generation "
@@ -22,16 +22,20 @@ std::string range_of(const Settings& settings) {
   const std::string poses = settings.candidates.refine.method == RefineMethod::icp
                                 ? "fixed candidates: grid poses after ICP alone"
                                 : "fixed candidates: grid poses";
-  return poses + (settings.search_method() == SearchMethod::branch_and_bound
-                      ? "; all collision-free scenes of these, mutual occlusion included"
-                      : "; scenes of these in the monotone scene generation tree");
+  return poses +
+         (cost_settings(scene, settings).charges_points() ? ""
+                                                          : ", with the middle of each object in the image") +
+         (settings.search_method() == SearchMethod::branch_and_bound
+              ? "; all collision-free scenes of these, mutual occlusion included"
+              : "; scenes of these in the monotone scene generation tree");
 }
 
-void describe_guarantee(const Settings& settings, Guarantee& g) {
+void describe_guarantee(const Scene& scene, const Settings& settings, Guarantee& g) {
   g.w = settings.w;
-  g.over = range_of(settings);
+  g.over = range_of(scene, settings);
   g.delta = settings.candidates.cost.delta;
   g.missing_depth = name(settings.candidates.cost.missing_depth);
+  g.clutter = clutter_of(scene, settings);
   g.collision_penetration = settings.candidates.collision.penetration;
   g.collision_overlap = settings.candidates.collision.overlap;
   g.resolution_m = settings.candidates.grid.resolution;
@@ -45,7 +49,8 @@ class Localization {
  public:
   Localization(const Scene& scene, const Settings& settings, const Executor& executor,
                const StopCondition& stop, const std::function<void(const Progress&)>& on_progress)
-      : settings_(settings),
+      : scene_(scene),
+        settings_(settings),
         executor_(executor),
         stop_(stop),
         search_stop_(StopCondition::before(stop, 0.1, 3.0)),
@@ -57,7 +62,7 @@ class Localization {
 
   Result run() {
     result_.observed_points = static_cast<std::int64_t>(problem_->observation().size());
-    describe_guarantee(settings_, result_.guarantee);
+    describe_guarantee(scene_, settings_, result_.guarantee);
     if (settings_.mode == CandidateMode::context) {
       const Stopwatch watch;
       take(search_in_context(*problem_, candidates_, makers_, priors_, settings_, executor_, search_stop_,
@@ -71,11 +76,21 @@ class Localization {
                                                search_stop_, log_));
       result_.stats.seconds.search = watch.seconds();
     }
+    name_rest_poses();
     finish();
     return result_;
   }
 
  private:
+  /// Says so where the bound ranges over several ways to rest.
+  void name_rest_poses() {
+    for (std::size_t kind = 0; kind < problem_->kinds(); ++kind)
+      if (problem_->copies()[kind] > 0 && problem_->bodies_of(kind).size() > 1) {
+        result_.guarantee.over += "; every listed rest pose of each model";
+        return;
+      }
+  }
+
   /// False where there is nothing to search.
   bool make_candidates() {
     log_.stage("candidates");
@@ -200,6 +215,7 @@ class Localization {
   }
 
   const Stopwatch watch_;
+  const Scene& scene_;
   const Settings& settings_;
   const Executor& executor_;
   const StopCondition& stop_;
@@ -228,7 +244,7 @@ Result localize(const Scene& scene, const Settings& settings, const Executor& ex
     result.reason = "the time limit came while the observation was prepared";
     result.observed_points =
         static_cast<std::int64_t>(Observation(scene.camera, scene.depth, scene.mask).size());
-    describe_guarantee(settings, result.guarantee);
+    describe_guarantee(scene, settings, result.guarantee);
     result.stats.threads = static_cast<int>(executor.workers());
     result.stats.seconds.total = watch.seconds();
     return result;

@@ -39,12 +39,24 @@ void ObjectTrials::take_out(const std::vector<PlacedModel>& scene, std::size_t p
   }
 }
 
-std::int64_t ObjectTrials::visible_points(const DepthPatch& patch) const {
+template <typename Wanted>
+std::int64_t ObjectTrials::count_visible(const DepthPatch& patch, const Wanted& wanted) const {
   std::int64_t points = 0;
   for (int v = patch.window.v0; v < patch.window.v1; ++v)
-    for (int u = patch.window.u0; u < patch.window.u1; ++u)
-      points += patch.at(u, v) < others_.depth.at_or_none(u, v) && problem_.cost().counts_at(u, v);
+    for (int u = patch.window.u0; u < patch.window.u1; ++u) {
+      const float z = patch.at(u, v);
+      points += z < others_.depth.at_or_none(u, v) && problem_.cost().counts_at(u, v, z) && wanted(u, v, z);
+    }
   return points;
+}
+
+std::int64_t ObjectTrials::visible_points(const DepthPatch& patch) const {
+  return count_visible(patch, [](int, int, float) { return true; });
+}
+
+std::int64_t ObjectTrials::explained_points(const DepthPatch& patch) const {
+  return count_visible(patch,
+                       [&](int u, int v, float z) { return problem_.cost().index().explained(u, v, z); });
 }
 
 bool ObjectTrials::fits(std::size_t model, const Pose& pose) const {

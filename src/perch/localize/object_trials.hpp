@@ -76,6 +76,8 @@ class ObjectTrials {
 
   /// How many points of a drawing are in view beside the others.
   std::int64_t visible_points(const DepthPatch& patch) const;
+  /// How many of these lie within delta of I.
+  std::int64_t explained_points(const DepthPatch& patch) const;
 
   /// One answer for each trial, in order; empty where the object doesn't fit, no pixel of it is in view, or J
   /// is more than `most`, which takes less work to find out. Yaws are canonical. False where the stop
@@ -89,6 +91,8 @@ class ObjectTrials {
   std::int64_t count() const { return count_; }
 
  private:
+  template <typename Wanted>
+  std::int64_t count_visible(const DepthPatch& patch, const Wanted& wanted) const;
   bool fits(std::size_t model, const Pose& pose) const;
   std::optional<TrialResult> run(const Trial& trial, std::int64_t most, CandidateMaker& maker) const;
 

@@ -5,6 +5,7 @@
 
 #include "perch/cost/explanation_cost.hpp"
 #include "perch/localize/localize.hpp"
+#include "perch/localize/setup.hpp"
 #include "perch/render/rasterizer.hpp"
 
 namespace perch {
@@ -59,13 +60,14 @@ void flag(const ExplanationCost& cost, const Composite& composite, SceneRenderin
   for (int v = 0; v < rendering.depth.height(); ++v) {
     for (std::size_t i = observation.row_begin(v); i < observation.row_begin(v + 1); ++i) {
       rendering.observed(observation.column(i), v) = 1;
-      rendering.observed_unexplained(observation.column(i), v) = !composite.observed.contains(i);
+      rendering.observed_unexplained(observation.column(i), v) =
+          cost.charges_points() && !composite.observed.contains(i);
     }
     for (int u = 0; u < rendering.depth.width(); ++u) {
       if (!(rendering.depth(u, v) > 0.0F)) continue;
-      rendering.left_out(u, v) = !cost.counts_at(u, v);
+      rendering.left_out(u, v) = !cost.counts_at(u, v, rendering.depth(u, v));
       rendering.rendered_unexplained(u, v) =
-          cost.counts_at(u, v) && !composite.explained[composite.depth.index(u, v)];
+          !rendering.left_out(u, v) && !composite.explained[composite.depth.index(u, v)];
     }
   }
 }
@@ -79,10 +81,10 @@ std::int64_t flagged(const Image<std::uint8_t>& flags) {
 SceneRendering render_scene(const Scene& scene, const std::vector<PlacedModel>& placed,
                             const Settings& settings, const Executor& executor) {
   settings.check();
-  const CostSettings& cost_settings = settings.candidates.cost;
+  const CostSettings counted = cost_settings(scene, settings);
   const Observation observation(scene.camera, scene.depth, scene.mask);
-  const DeltaIndex index(observation, cost_settings.delta, executor);
-  const ExplanationCost cost(observation, index, cost_settings.missing_depth);
+  const DeltaIndex index(observation, counted.delta, executor);
+  const ExplanationCost cost(observation, index, counted);
 
   const int width = scene.depth.width(), height = scene.depth.height();
   const Image<std::uint8_t> unset(width, height, 0);

@@ -76,8 +76,14 @@ struct ObjectResult {
 struct Guarantee {
   double w = 3.0;
   std::string over;
-  double delta = 0.0;                  ///< of the costs, metres
-  std::string missing_depth;           ///< how they count rendered points without a reading
+  double delta = 0.0;         ///< of the costs, metres
+  std::string missing_depth;  ///< how they count rendered points without a reading
+  /// Where clutter may be in view: CostSettings::clutter_weight and clutter_points.
+  struct Clutter {
+    double weight = 0.0;
+    std::string points;
+  };
+  std::optional<Clutter> clutter;
   double collision_penetration = 0.0;  ///< how far objects of the set may enter each other, metres
   double collision_overlap = 0.0;      ///< share of a solid of theirs that may lie inside another
   double resolution_m = 0.0;

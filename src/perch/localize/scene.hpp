@@ -89,6 +89,7 @@ struct Scene {
   double depth_scale = 0.001;  ///< metres per count of the input image; what rendered_depth.png is written in
   std::optional<Image<std::uint8_t>> mask;  ///< non-zero: the pixel belongs to an object of interest
   Background background = Background::removed;
+  bool clutter = false;  ///< things may be in view that no model describes: see CostSettings::clutter
   std::optional<Image<Rgb>> color;     ///< for pictures only
   std::optional<double> table_height;  ///< world z of the support plane; estimated if absent
   std::optional<Workspace> workspace;  ///< derived from the observed points if absent

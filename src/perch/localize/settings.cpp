@@ -35,6 +35,10 @@ struct Names<RefineMethod> {
   static inline const std::vector<std::string> all{"none", "icp"};
 };
 template <>
+struct Names<ClutterPoints> {
+  static inline const std::vector<std::string> all{"charge", "ignore"};
+};
+template <>
 struct Names<MissingDepth> {
   static inline const std::vector<std::string> all{"unexplained", "ignore"};
 };
@@ -157,6 +161,12 @@ std::vector<SettingsField> make_fields() {
       field("cost.delta", "sensor resolution, metres", PERCH_FIELD(candidates.cost.delta)),
       field("cost.missing_depth", "rendered points without a reading: unexplained or ignore",
             PERCH_FIELD(candidates.cost.missing_depth)),
+      field(
+          "cost.clutter_weight",
+          "of a rendered point hidden by what no model describes, in scenes with clutter; in 64ths, > 0 to 1",
+          PERCH_FIELD(candidates.cost.clutter_weight)),
+      field("cost.clutter_points", "unexplained points of I in scenes with clutter: charge or ignore",
+            PERCH_FIELD(candidates.cost.clutter_points)),
       field("refine.method", "icp or none", PERCH_FIELD(candidates.refine.method)),
       optional_field("refine.reach", "farthest correspondence, metres; auto: half the grid step",
                      PERCH_FIELD(candidates.refine.reach)),
@@ -277,6 +287,9 @@ std::string name(StateBound bound) {
 }
 std::string name(RefineMethod method) {
   return print(method);
+}
+std::string name(ClutterPoints points) {
+  return print(points);
 }
 std::string name(MissingDepth missing_depth) {
   return print(missing_depth);

@@ -92,5 +92,6 @@ std::string name(SearchMethod method);
 std::string name(StateBound bound);
 std::string name(RefineMethod method);
 std::string name(MissingDepth missing_depth);
+std::string name(ClutterPoints points);
 
 }  // namespace perch

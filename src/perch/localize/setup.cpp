@@ -14,9 +14,30 @@ double table_height(const Scene& scene) {
   return lowest_height(Observation(scene.camera, scene.depth, scene.mask));
 }
 
+CostSettings cost_settings(const Scene& scene, const Settings& settings) {
+  CostSettings cost = settings.candidates.cost;
+  cost.clutter = scene.clutter;
+  if (!cost.charges_points() && std::any_of(scene.objects.begin(), scene.objects.end(),
+                                            [](const SceneObject& object) { return object.optional; }))
+    throw InputError(
+        "objects: one may be absent, but where points of I cost nothing (cost.clutter_points=ignore) leaving "
+        "an "
+        "object out would always be best; use cost.clutter_points=charge, or list the objects that are "
+        "there");
+  return cost;
+}
+
+std::optional<Guarantee::Clutter> clutter_of(const Scene& scene, const Settings& settings) {
+  const CostSettings& cost = settings.candidates.cost;
+  if (!scene.clutter) return std::nullopt;
+  return Guarantee::Clutter{cost.clutter_weight, name(cost.clutter_points)};
+}
+
 std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Settings& settings,
                                                   const Executor& executor, const StopCondition& stop) {
   settings.check();
+  CandidateSettings candidate_settings = settings.candidates;
+  candidate_settings.cost = cost_settings(scene, settings);
   Observation observation(scene.camera, scene.depth, scene.mask);
   const double table = scene.table_height ? *scene.table_height : lowest_height(observation);
   std::vector<std::optional<ObjectModel>> made(scene.models.size());
@@ -68,7 +89,7 @@ std::unique_ptr<LocalizationProblem> make_problem(const Scene& scene, const Sett
   for (const SceneObject& object : scene.objects)
     objects.push_back(object.optional ? optional_kind[object.model] : kind_of_first[object.model]);
   return std::make_unique<LocalizationProblem>(std::move(observation), std::move(models), std::move(objects),
-                                               std::move(optional), scene.workspace, settings.candidates,
+                                               std::move(optional), scene.workspace, candidate_settings,
                                                executor, stop, std::move(kinds));
 }
 

@@ -13,7 +13,8 @@ Observation::Observation(const Camera& camera, const DepthImage& depth,
     : camera_(camera),
       rays_(camera.intrinsics),
       states_(depth.width(), depth.height(), PixelState::free),
-      depth_(depth.width(), depth.height(), 0.0F) {
+      depth_(depth.width(), depth.height(), 0.0F),
+      readings_(depth_) {
   const int width = camera.intrinsics.width, height = camera.intrinsics.height;
   if (depth.width() != width || depth.height() != height ||
       (mask && (mask->width() != width || mask->height() != height)))
@@ -27,6 +28,7 @@ Observation::Observation(const Camera& camera, const DepthImage& depth,
         if (mask) states_(u, v) = PixelState::unknown;
         continue;
       }
+      readings_(u, v) = z;
       if (mask && (*mask)(u, v) == 0) continue;
       states_(u, v) = PixelState::object;
       depth_(u, v) = z;

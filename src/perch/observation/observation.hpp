@@ -36,6 +36,9 @@ class Observation {
   /// Depth of the point of I at a pixel, metres; 0 where there is none.
   float depth(int u, int v) const { return depth_(u, v); }
 
+  /// Depth of any reading at a pixel, of an object of interest or not, metres; 0 where there is none.
+  float reading(int u, int v) const { return readings_(u, v); }
+
   /// The points of I in row-major order of their pixels, camera frame.
   const std::vector<Eigen::Vector3f>& points() const { return points_; }
   std::size_t size() const { return points_.size(); }
@@ -52,7 +55,7 @@ class Observation {
   Camera camera_;
   RaySlopes rays_;
   Image<PixelState> states_;
-  DepthImage depth_;
+  DepthImage depth_, readings_;
   std::vector<Eigen::Vector3f> points_;
   std::vector<int> columns_;
   std::vector<std::size_t> row_begin_;

@@ -67,7 +67,8 @@ bool keeps_monotone(const ExplanationCost& cost, const DepthPatch& composite, co
   for (int v = common.v0; v < common.v1; ++v)
     for (int u = common.u0; u < common.u1; ++u) {
       const float covered = composite.at(u, v);
-      if (!(covered < no_surface) || !(patch.at(u, v) < covered - tolerance) || !cost.counts_at(u, v))
+      if (!(covered < no_surface) || !(patch.at(u, v) < covered - tolerance) ||
+          !cost.counts_at(u, v, covered))
         continue;
       if (++deeper > settings.pixel_tolerance) return false;
     }

@@ -23,7 +23,7 @@ struct View {
     camera.intrinsics = {24, 18, 30, 30, 12, 9};
     observation = std::make_unique<Observation>(camera, DepthImage(24, 18, 1.0F), std::nullopt);
     index = std::make_unique<DeltaIndex>(*observation, 0.01, executor);
-    cost = std::make_unique<ExplanationCost>(*observation, *index, MissingDepth::unexplained);
+    cost = std::make_unique<ExplanationCost>(*observation, *index, CostSettings{});
   }
 };
 

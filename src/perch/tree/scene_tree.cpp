@@ -50,8 +50,7 @@ SceneTree::State SceneTree::root() const {
   State root;
   if (cover_bound_) {
     const PointSet nothing(problem_.observation().size());
-    root.bound =
-        (*cover_bound_)(nothing, static_cast<std::int64_t>(problem_.observation().size()), problem_.copies());
+    root.bound = (*cover_bound_)(nothing, problem_.cost().charged_points(), problem_.copies());
   }
   root.bound = std::max(root.bound, lower_bound_);
   return root;
@@ -300,8 +299,8 @@ void SceneTree::value(const State& state, const Parent& parent, const Candidate&
   if (!cover_bound_) return;
   std::vector<int> remaining = parent.remaining;
   --remaining[problem_.kind_of(candidate.model)];
-  const auto points = static_cast<std::int64_t>(problem_.observation().size());
-  child.bound = rendered + std::max(observed, (*cover_bound_)(covered, points, remaining));
+  child.bound =
+      rendered + std::max(observed, (*cover_bound_)(covered, problem_.cost().charged_points(), remaining));
 }
 
 std::int64_t SceneTree::charged_with(const Parent& parent, const DepthPatch& patch) const {
@@ -313,7 +312,7 @@ std::int64_t SceneTree::charged_with(const Parent& parent, const DepthPatch& pat
       const float z = patch.at(u, v);
       if (!(z < no_surface)) continue;
       const float hidden = depth.at_or_none(u, v);
-      if (!(z < hidden) || !problem_.cost().counts_at(u, v)) continue;
+      if (!(z < hidden) || !problem_.cost().counts_at(u, v, z)) continue;
       if (hidden < no_surface) charged -= parent.charged[depth.index(u, v)];
       charged += problem_.cost().index().unexplained_throughout(u, v, z, reach);
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace perch {
 namespace {
@@ -14,19 +15,39 @@ enum class Near { all, none, some };
 class CostCounter {
  public:
   CostCounter(const ObservedPoints& observed, const Intrinsics& intrinsics, const SceneView& view,
-              double delta, bool ignore_missing)
-      : observed_(observed), k_(intrinsics), view_(view), delta_(delta), ignore_missing_(ignore_missing) {}
+              const CountingRule& rule)
+      : observed_(observed), k_(intrinsics), view_(view), delta_(rule.delta), rule_(rule) {}
 
   CostRange count() {
     CostRange cost;
     cost.explained.resize(view_.visible().size());
     for (const SeenPixel& pixel : view_.pixels()) count_rendered(pixel, cost);
-    count_observed(cost);
+    if (!rule_.ignore_points) count_observed(cost);
     return cost;
   }
 
  private:
-  bool counts(const SeenPixel& pixel) const { return !ignore_missing_ || !observed_.is_unknown(pixel.pixel); }
+  bool counts(const SeenPixel& pixel) const {
+    return !rule_.ignore_missing || !observed_.is_unknown(pixel.pixel);
+  }
+
+  /// The entry of Bayer's matrix of 8 x 8, by its recursive definition: that of 4 x 4 four times as large,
+  /// plus 0, 2, 3 and 1 by quarters.
+  static int bayer(int u, int v, int size) {
+    if (size == 1) return 0;
+    const int half = size / 2;
+    constexpr int quarter[2][2] = {{0, 2}, {3, 1}};
+    return 4 * bayer(u % half, v % half, half) + quarter[(v / half) % 2][(u / half) % 2];
+  }
+
+  /// The depth beyond which a rendered point is left out of R, as hidden by clutter.
+  double farthest(std::uint32_t pixel) const {
+    constexpr double any = std::numeric_limits<double>::infinity();
+    const double reading = observed_.reading(pixel);
+    if (!rule_.clutter_weight || reading == 0.0) return any;
+    const int u = static_cast<int>(pixel) % k_.width, v = static_cast<int>(pixel) / k_.width;
+    return bayer(u % 8, v % 8, 8) < std::lround(64.0 * *rule_.clutter_weight) ? any : reading + delta_;
+  }
 
   Near near_observed(std::uint32_t pixel, const DepthRange& depth) const {
     const Eigen::Vector3d from = point_at(k_, pixel, depth.near), to = point_at(k_, pixel, depth.far);
@@ -43,7 +64,8 @@ class CostCounter {
   }
 
   void count_rendered(const SeenPixel& pixel, CostRange& cost) const {
-    bool all_near = true, none_near = true;
+    bool all_near = true, none_near = true, all_count = true, any_counts = false;
+    const double limit = farthest(pixel.pixel), rounding = std::isinf(limit) ? 0.0 : 2.5e-7 * limit;
     const auto seen = view_.seen(pixel);
     for (auto s = seen.begin(); s != seen.end();) {
       const std::uint32_t object = s->object;
@@ -52,12 +74,14 @@ class CostCounter {
         const Near near = near_observed(pixel.pixel, s->depth);
         all = all && near == Near::all;
         none = none && near == Near::none;
+        all_count = all_count && s->depth.far <= limit - rounding;
+        any_counts = any_counts || s->depth.near <= limit + rounding;
       }
       cost.explained[object].add(all && view_.is_certain(pixel, object), !none);
       all_near = all_near && all;
       none_near = none_near && none;
     }
-    if (counts(pixel)) cost.rendered.add(none_near && !pixel.may_miss, !all_near);
+    if (counts(pixel)) cost.rendered.add(none_near && !pixel.may_miss && all_count, !all_near && any_counts);
   }
 
   /// A part of a range of depths, short enough to be looked for by its middle.
@@ -117,14 +141,14 @@ class CostCounter {
   const Intrinsics& k_;
   const SceneView& view_;
   double delta_;
-  bool ignore_missing_;
+  const CountingRule& rule_;
 };
 
 }  // namespace
 
 CostRange cost_range(const ObservedPoints& observed, const Intrinsics& intrinsics, const SceneView& view,
-                     double delta, bool ignore_missing) {
-  return CostCounter(observed, intrinsics, view, delta, ignore_missing).count();
+                     const CountingRule& rule) {
+  return CostCounter(observed, intrinsics, view, rule).count();
 }
 
 }  // namespace perch

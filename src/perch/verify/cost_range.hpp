@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "perch/verify/count_range.hpp"
@@ -17,9 +18,18 @@ struct CostRange {
   CountRange total() const { return observed + rendered; }
 };
 
-/// \param delta metres, > 0. \param ignore_missing rendered points at unknown pixels are left out of R;
-/// `explained` counts them all the same.
+/// What J is counted by.
+struct CountingRule {
+  double delta = 0.0;           ///< metres, > 0
+  bool ignore_missing = false;  ///< rendered points at unknown pixels are left out of R
+  bool ignore_points = false;   ///< points of I cost nothing
+  /// Where clutter may be in view: rendered points farther than a reading by more than delta are left out of
+  /// R, except at this share of the pixels.
+  std::optional<double> clutter_weight;
+};
+
+/// `explained` counts also what is left out of R.
 CostRange cost_range(const ObservedPoints& observed, const Intrinsics& intrinsics, const SceneView& view,
-                     double delta, bool ignore_missing);
+                     const CountingRule& rule);
 
 }  // namespace perch

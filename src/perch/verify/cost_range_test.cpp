@@ -58,7 +58,8 @@ class BoxFromAbove : public testing::Test {
 
   CostRange cost(const DepthImage& depth, double delta, bool ignore_missing = false,
                  const std::optional<Image<std::uint8_t>>& mask = {}) const {
-    return cost_range(ObservedPoints({k, at_origin}, depth, mask), k, view(), delta, ignore_missing);
+    return cost_range(ObservedPoints({k, at_origin}, depth, mask), k, view(),
+                      {delta, ignore_missing, false, {}});
   }
 };
 
@@ -161,7 +162,7 @@ TEST(CostRange, HoldsTheBruteForceCount) {
       if (z[i] > 0.0 && random.uniform() < 0.8) depth[i] = static_cast<float>(z[i] + 0.01 * random.normal());
     const ObservedPoints observed({k, at_origin}, depth, {});
     const BruteForce truth = brute_force(observed.points(), k, z, delta);
-    const CostRange cost = cost_range(observed, k, view, delta, false);
+    const CostRange cost = cost_range(observed, k, view, {delta, false, false, {}});
     EXPECT_TRUE(cost.observed.contains(truth.observed)) << truth.observed << ", not " << cost.observed.text();
     EXPECT_TRUE(cost.rendered.contains(truth.rendered)) << truth.rendered << ", not " << cost.rendered.text();
     width += cost.total().width();
@@ -184,7 +185,8 @@ TEST(CostRange, WhatMayBeRenderedMayExplain) {
   for (const double beyond : {0.97, 1.03}) {
     DepthImage depth(40, 30, 0.0F);
     depth(20, 15) = static_cast<float>(0.5 - beyond * delta);
-    const CostRange cost = cost_range(ObservedPoints({k, at_origin}, depth, {}), k, view, delta, false);
+    const CostRange cost =
+        cost_range(ObservedPoints({k, at_origin}, depth, {}), k, view, {delta, false, false, {}});
     EXPECT_EQ(cost.observed, (CountRange{beyond > 1.0, 1})) << beyond;
     EXPECT_EQ(cost.rendered, (CountRange{0, 1})) << beyond;
     EXPECT_EQ(cost.explained, (std::vector<CountRange>{{0, beyond < 1.0}})) << beyond;

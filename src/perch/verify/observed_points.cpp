@@ -18,7 +18,12 @@ std::vector<Eigen::Vector3d> points_of(const Camera& camera, const DepthImage& d
 
 ObservedPoints::ObservedPoints(const Camera& camera, const DepthImage& depth,
                                const std::optional<Image<std::uint8_t>>& mask)
-    : points_(points_of(camera, depth, mask)), unknown_(depth.size(), 0), tree_(points_) {
+    : points_(points_of(camera, depth, mask)),
+      unknown_(depth.size(), 0),
+      readings_(depth.size(), 0.0F),
+      tree_(points_) {
+  for (std::size_t i = 0; i < depth.size(); ++i)
+    if (std::isfinite(depth[i]) && depth[i] > 0.0F) readings_[i] = depth[i];
   if (!mask) return;
   for (std::size_t i = 0; i < depth.size(); ++i) unknown_[i] = !(std::isfinite(depth[i]) && depth[i] > 0.0F);
 }

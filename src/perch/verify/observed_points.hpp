@@ -20,12 +20,15 @@ class ObservedPoints {
 
   const std::vector<Eigen::Vector3d>& points() const { return points_; }  ///< camera frame, row by row
   const KdTree& tree() const { return tree_; }
+  /// Any reading at a pixel, metres; 0 where there is none.
+  double reading(std::uint32_t pixel) const { return readings_[pixel]; }
   /// True where there is a mask and the pixel has no reading: whether a surface is there is not known.
   bool is_unknown(std::uint32_t pixel) const { return unknown_[pixel] != 0; }
 
  private:
   std::vector<Eigen::Vector3d> points_;
   std::vector<std::uint8_t> unknown_;
+  std::vector<float> readings_;
   KdTree tree_;
 };
 

@@ -97,8 +97,12 @@ class Verification {
 
   CostRange cost_of(const SceneView& view) const {
     const CostSettings& cost = settings_.candidates.cost;
-    return cost_range(observed_, scene_.camera.intrinsics, view, cost.delta,
-                      cost.missing_depth == MissingDepth::ignore);
+    CountingRule rule{cost.delta,
+                      cost.missing_depth == MissingDepth::ignore,
+                      scene_.clutter && cost.clutter_points == ClutterPoints::ignore,
+                      {}};
+    if (scene_.clutter) rule.clutter_weight = cost.clutter_weight;
+    return cost_range(observed_, scene_.camera.intrinsics, view, rule);
   }
 
   void check_objects(const std::vector<PlacedModel>& placed) {
@@ -251,7 +255,9 @@ class Verification {
 Settings stated_settings(const Guarantee& guarantee) {
   Settings settings;
   set_field(settings, "cost.missing_depth", guarantee.missing_depth);
+  if (guarantee.clutter) set_field(settings, "cost.clutter_points", guarantee.clutter->points);
   settings.candidates.cost.delta = guarantee.delta;
+  if (guarantee.clutter) settings.candidates.cost.clutter_weight = guarantee.clutter->weight;
   settings.candidates.collision.penetration = guarantee.collision_penetration;
   settings.candidates.collision.overlap = guarantee.collision_overlap;
   settings.check();
