@@ -113,7 +113,6 @@ TEST_F(RestPoses, GuideTheSearchAsPriors) {
 TEST_F(RestPoses, HostileOnesAreRefused) {
   const std::vector<std::pair<std::string, std::string>> refused{
       {"up", "models.jug.rest_poses"},
-      {"auto", "models.jug.rest_poses"},
       {"[]", "is empty"},
       {"[0, 0, 1]", "models.jug.rest_poses[0]"},
       {"[[0, 0]]", "has 2 values"},

@@ -69,7 +69,7 @@ TEST_F(SceneRefusals, Files) {
   refused("# only a comment\n", {"no YAML document"});
   refused("just words\n", {"a map is expected"});
   refused("[1, 2]\n", {"a map is expected"});
-  refused(yaml.substr(0, yaml.find("world_from_camera:")), {"world_from_camera"});
+  refused(yaml.substr(0, yaml.find("world_from_camera:")), {"observation", "is missing"});
   refused(yaml.substr(0, yaml.find("fx:")), {"cut short"});
   refused(std::string("\x00\xff\xfe{[\x01", 6), {});
   refused(yaml + "---\n" + yaml, {"2 YAML documents"});

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double tilt_scale = 0.1, height_scale = 0.04;  // radians, metres: what a good pose stays well below
 constexpr double above_plane = 0.02;                     // metres; nearer readings are the plane's
-constexpr double good = 0.5, poor = 0.3, better = 2.0;
+constexpr double good_fit = 0.5, poor_fit = 0.3, better_by = 2.0;
 
 /// A mistake that would explain what is seen: the camera pose or the depth as they should have been.
 struct Mistake {
@@ -77,9 +77,9 @@ std::vector<Mistake> usual_mistakes(const Eigen::Isometry3d& given) {
 
 /// Judges a camera pose by what is known besides: a level plane at the table's height below the camera, and
 /// readings within reach of the objects.
-class Judge {
+class CameraJudge {
  public:
-  Judge(const Scene& scene, const std::optional<SupportPlane>& plane) : scene_(scene), plane_(plane) {
+  CameraJudge(const Scene& scene, const std::optional<SupportPlane>& plane) : scene_(scene), plane_(plane) {
     const RaySlopes rays(scene.camera.intrinsics);
     constexpr int step = 5;
     for (int v = 0; v < scene.depth.height(); v += step)
@@ -133,16 +133,16 @@ class Judge {
 
 std::optional<Warning> check_camera(const Scene& scene, const std::optional<SupportPlane>& plane) {
   if (!scene.has_camera_pose) return std::nullopt;
-  const Judge judge(scene, plane);
+  const CameraJudge judge(scene, plane);
   if (!judge.can_judge()) return std::nullopt;
   const Eigen::Isometry3d& given = scene.camera.world_from_camera;
   const double as_given = judge.fit(given, 1.0);
-  if (as_given >= poor) return std::nullopt;
+  if (as_given >= poor_fit) return std::nullopt;
   const std::vector<Mistake> mistakes = usual_mistakes(given);
   std::vector<double> fits;
   for (const Mistake& mistake : mistakes) fits.push_back(judge.fit(mistake.world_from_camera, mistake.scale));
   const auto best = std::max_element(fits.begin(), fits.end());
-  if (*best >= good && *best > better * as_given) {
+  if (*best >= good_fit && *best > better_by * as_given) {
     const Mistake& mistake = mistakes[static_cast<std::size_t>(best - fits.begin())];
     return Warning{mistake.key, mistake.what, mistake.remedy};
   }

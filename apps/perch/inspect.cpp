@@ -15,7 +15,7 @@
 namespace perch::app {
 namespace {
 
-constexpr double degrees = 180.0 / std::numbers::pi;
+constexpr double in_degrees = 180.0 / std::numbers::pi;
 enum InspectStatus { exit_looks_right = 0, exit_looks_wrong = 1 };
 
 struct InspectOptions {
@@ -26,12 +26,13 @@ struct InspectOptions {
 void print_camera(const Scene& scene) {
   const Intrinsics& k = scene.camera.intrinsics;
   fmt::print("camera      {} x {} pixels, {:.0f} x {:.0f} degrees of view", k.width, k.height,
-             2 * std::atan(0.5 * k.width / k.fx) * degrees, 2 * std::atan(0.5 * k.height / k.fy) * degrees);
+             2 * std::atan(0.5 * k.width / k.fx) * in_degrees,
+             2 * std::atan(0.5 * k.height / k.fy) * in_degrees);
   const Eigen::Vector3d eye = scene.camera.world_from_camera.translation(),
                         forward = scene.camera.world_from_camera.linear().col(2);
   if (scene.has_camera_pose)
     fmt::print("; at ({:.3f}, {:.3f}, {:.3f}) m, looking {:.0f} degrees down", eye.x(), eye.y(), eye.z(),
-               -std::asin(std::clamp(forward.z(), -1.0, 1.0)) * degrees);
+               -std::asin(std::clamp(forward.z(), -1.0, 1.0)) * in_degrees);
   fmt::print("\n");
 }
 
@@ -50,7 +51,7 @@ void print_plane(const Scene& raw, const Inspection& found) {
                plane->distance, 100 * plane->share, 1000 * plane->rms);
     if (found.plane_tilt && raw.has_camera_pose)
       fmt::print("; tilted {:.2f} degrees against the given world, height {:.4f} m",
-                 *found.plane_tilt * degrees, *found.plane_height);
+                 *found.plane_tilt * in_degrees, *found.plane_height);
     fmt::print("\n");
   } else {
     fmt::print("plane       {}\n", raw.background == Background::table || raw.mask

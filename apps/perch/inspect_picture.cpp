@@ -14,10 +14,11 @@
 namespace perch::app {
 namespace {
 
-constexpr double edge = 24, gap = 20, title = 30, line_height = 22, panel_width = 620;
-constexpr Rgb ink{25, 28, 33}, warning_ink{190, 40, 20}, plane_color{70, 140, 90}, ground{105, 108, 114},
-    workspace_color{250, 232, 80};
-constexpr Font title_font{18, true}, text_font{14, false}, name_font{14, true};
+constexpr double outer_edge = 24, panel_gap = 20, panel_title_height = 30, warning_line = 22,
+                 panel_width = 620;
+constexpr Rgb text_ink{25, 28, 33}, warning_ink{190, 40, 20}, plane_color{70, 140, 90},
+    reading_color{105, 108, 114}, workspace_color{250, 232, 80};
+constexpr Font panel_font{18, true}, warning_font{14, false}, model_font{14, true};
 
 class InspectionPicture {
  public:
@@ -31,19 +32,21 @@ class InspectionPicture {
 
   std::string png() {
     const double height = std::max(1.0, std::round(k_.height * scale_));
-    const double width = 2 * edge + 3 * panel_width + 2 * gap;
+    const double width = 2 * outer_edge + 3 * panel_width + 2 * panel_gap;
     Canvas measure(1, 1);
     std::vector<std::string> lines;
     for (const Warning& warning : found_.warnings)
       for (std::string& line : measure.wrapped(
                printable("WARNING: " + warning.key + " " + warning.what + "; " + warning.remedy, 400),
-               text_font, width - 2 * edge))
+               warning_font, width - 2 * outer_edge))
         lines.push_back(std::move(line));
     if (lines.empty()) lines.push_back("nothing looks wrong");
-    const double top = edge + title, foot = top + height + 20;
+    const double top = outer_edge + panel_title_height, foot = top + height + 20;
     Canvas canvas(static_cast<int>(width),
-                  static_cast<int>(foot + line_height * static_cast<double>(lines.size() + 1) + edge));
-    const auto box = [&](int i) { return Box{edge + i * (panel_width + gap), top, panel_width, height}; };
+                  static_cast<int>(foot + warning_line * static_cast<double>(lines.size() + 1) + outer_edge));
+    const auto box = [&](int i) {
+      return Box{outer_edge + i * (panel_width + panel_gap), top, panel_width, height};
+    };
     draw_panel(canvas, box(0), "depth; grey: not the objects'", depth_image());
     draw_panel(canvas, box(1), "plane (green) and workspace (yellow)", plane_image());
     draw_workspace(canvas, box(1));
@@ -51,17 +54,18 @@ class InspectionPicture {
     draw_panel(canvas, box(2), "each model once, as the camera would see it", model_image(names));
     draw_workspace(canvas, box(2));
     for (const auto& [at, name] : names)
-      canvas.rimmed_text(box(2).x + at.x() * scale_ - 0.5 * canvas.text_width(name, name_font),
-                         box(2).y + at.y() * scale_, name, name_font, {255, 255, 255}, panel_background);
+      canvas.rimmed_text(box(2).x + at.x() * scale_ - 0.5 * canvas.text_width(name, model_font),
+                         box(2).y + at.y() * scale_, name, model_font, {255, 255, 255}, panel_background);
     double y = foot;
     for (const std::string& line : lines)
-      canvas.text(edge, y += line_height, line, text_font, found_.warnings.empty() ? ink : warning_ink);
+      canvas.text(outer_edge, y += warning_line, line, warning_font,
+                  found_.warnings.empty() ? text_ink : warning_ink);
     return canvas.png();
   }
 
  private:
   static void draw_panel(Canvas& canvas, const Box& box, const std::string& name, const Image<Rgb>& image) {
-    canvas.text(box.x, box.y - 10, name, title_font, ink);
+    canvas.text(box.x, box.y - 10, name, panel_font, text_ink);
     canvas.fill(box, panel_background);
     canvas.draw(image, box);
   }
@@ -85,7 +89,7 @@ class InspectionPicture {
         if (observed(u, v)) depths.push_back(scene_.depth(u, v));
     const DepthRange range = depth_range(std::move(depths));
     return painted([&](int u, int v) {
-      return observed(u, v) ? depth_color(range.place(raw_.depth(u, v))) : scaled(ground, 0.55F);
+      return observed(u, v) ? depth_color(range.place(raw_.depth(u, v))) : scaled(reading_color, 0.55F);
     });
   }
 
@@ -93,11 +97,11 @@ class InspectionPicture {
     const RaySlopes rays(k_);
     constexpr double on_plane = 0.01;
     return painted([&](int u, int v) {
-      if (!found_.plane) return ground;
+      if (!found_.plane) return reading_color;
       const Eigen::Vector3d p = rays.point(u, v, raw_.depth(u, v)).cast<double>();
       const double above = found_.plane->normal.dot(p) + found_.plane->distance;
       return std::abs(above) < on_plane ? plane_color
-             : above < 0.0              ? scaled(ground, 0.5F)
+             : above < 0.0              ? scaled(reading_color, 0.5F)
                                         : Rgb{170, 172, 178};
     });
   }
@@ -175,7 +179,7 @@ class InspectionPicture {
         names.emplace_back(*seen, printable(model.name, 30));
     }
     const Image<float> light = shading(depth, k_, k_.window(), 0);
-    Image<Rgb> image = painted([&](int, int) { return scaled(ground, 0.5F); });
+    Image<Rgb> image = painted([&](int, int) { return scaled(reading_color, 0.5F); });
     for (std::size_t i = 0; i < image.size(); ++i)
       if (depth[i] > 0.0F) image[i] = scaled(object_color(of[i]), light[i]);
     return image;

@@ -18,9 +18,7 @@
 namespace perch::app {
 namespace {
 
-constexpr double degrees = 180.0 / std::numbers::pi;
-
-bool is_observed(const Scene& scene, int u, int v) {
+bool is_of_interest(const Scene& scene, int u, int v) {
   return scene.depth(u, v) > 0.0F && (!scene.mask || (*scene.mask)(u, v) != 0);
 }
 
@@ -34,7 +32,7 @@ double largest_blob(const Scene& scene) {
   double largest = 0.0;
   for (int v0 = 0; v0 < met.height(); ++v0)
     for (int u0 = 0; u0 < met.width(); ++u0) {
-      if (met(u0, v0) || !is_observed(scene, u0, v0)) continue;
+      if (met(u0, v0) || !is_of_interest(scene, u0, v0)) continue;
       Eigen::AlignedBox3f box;
       std::vector<std::pair<int, int>> open{{u0, v0}};
       met(u0, v0) = 1;
@@ -47,7 +45,7 @@ double largest_blob(const Scene& scene) {
         box.extend(rays.point(u, v, z));
         for (const auto& [du, dv] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
           const int x = u + du, y = v + dv;
-          if (!met.contains(x, y) || met(x, y) || !is_observed(scene, x, y)) continue;
+          if (!met.contains(x, y) || met(x, y) || !is_of_interest(scene, x, y)) continue;
           if (std::abs(scene.depth(x, y) - z) > step * z) continue;
           met(x, y) = 1;
           open.emplace_back(x, y);
@@ -77,7 +75,7 @@ DepthFacts depth_facts(const Scene& raw, const Scene& observed) {
   const Intrinsics& k = raw.camera.intrinsics;
   for (int v = 0; v < k.height; ++v)
     for (int u = 0; u < k.width; ++u)
-      if (is_observed(observed, u, v)) {
+      if (is_of_interest(observed, u, v)) {
         ++facts.points;
         facts.area += std::pow(double{observed.depth(u, v)}, 2) / (k.fx * k.fy);
       }

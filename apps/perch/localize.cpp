@@ -1,3 +1,5 @@
+#include "localize.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -7,6 +9,7 @@
 #include <optional>
 
 #include "command.hpp"
+#include "localize_bop.hpp"
 #include "output.hpp"
 #include "perch/core/stopwatch.hpp"
 #include "perch/io/poses_file.hpp"
@@ -22,6 +25,7 @@ struct LocalizeOptions {
   std::string output;
   bool quiet = false, anytime = false, exhaustive = false;
   std::optional<std::string> priors;
+  BopLocalization bop;
   SettingsOptions settings;
 };
 
@@ -49,6 +53,8 @@ class ProgressLine {
   bool written_ = false;
   Stopwatch total_, since_last_;
 };
+
+}  // namespace
 
 int exit_status(Status status) {
   switch (status) {
@@ -95,6 +101,16 @@ void print_table(const Scene& scene, const Result& result) {
                  object.confidence ? fmt::format("{:.2f}", *object.confidence) : std::string("-"));
 }
 
+Result localize_with_progress(const Scene& scene, const Settings& settings, const Executor& executor,
+                              const StopCondition& stop, bool quiet, const std::string& blamed) {
+  ProgressLine progress(quiet);
+  return blaming(blamed, [&] {
+    return run_method(scene, settings, executor, stop, [&](const Progress& p) { progress(p); });
+  });
+}
+
+namespace {
+
 Scene read_inputs(const std::string& file, const LocalizeOptions& options, const Settings& settings,
                   const Executor& executor) {
   Scene scene = read_prepared_scene(file, settings, executor);
@@ -113,6 +129,14 @@ int localize_scenes(const LocalizeOptions& options) {
     throw InvalidSetting(
         fmt::format("--priors: {} has no use for them; leave them out, or use --method perch",
                     name(settings.localization)));
+  options.bop.check();
+  if (options.bop.given()) {
+    if (!options.scenes.empty() || options.priors)
+      throw InputError("--bop takes its images from a data set; leave out scene files and --priors");
+    return localize_bop(options.bop, settings, options.output, options.quiet, watch);
+  }
+  if (options.scenes.empty())
+    throw InputError("scenes is required; give scene files, or a data set with --bop");
   const auto executor = make_executor(settings.threads);
   const std::size_t n = options.scenes.size();
   const auto output_of = [&](std::size_t i, const Scene& scene) {
@@ -132,18 +156,13 @@ int localize_scenes(const LocalizeOptions& options) {
     const StopCondition stop = StopCondition::after(left);
     const Scene scene =
         n == 1 ? std::move(*read) : read_inputs(options.scenes[i], options, settings, *executor);
-    std::optional<Result> result;
-    {
-      ProgressLine progress(options.quiet);
-      result = blaming(options.scenes[i], [&] {
-        return run_method(scene, settings, *executor, stop, [&](const Progress& p) { progress(p); });
-      });
-    }
-    if (!options.output.empty()) write_outputs(scene, *result, settings, *executor, output_of(i, scene));
-    if (!options.quiet) print_table(scene, *result);
-    if (result->status == Status::infeasible)
-      fmt::print(stderr, "perch: {}: no solution: {}\n", scene.name, result->reason);
-    status = std::max(status, exit_status(result->status));
+    const Result result =
+        localize_with_progress(scene, settings, *executor, stop, options.quiet, options.scenes[i]);
+    if (!options.output.empty()) write_outputs(scene, result, settings, *executor, output_of(i, scene));
+    if (!options.quiet) print_table(scene, result);
+    if (result.status == Status::infeasible)
+      fmt::print(stderr, "perch: {}: no solution: {}\n", scene.name, result.reason);
+    status = std::max(status, exit_status(result.status));
   }
   return status;
 }
@@ -153,7 +172,7 @@ int localize_scenes(const LocalizeOptions& options) {
 void add_localize(CLI::App& app, Run& run) {
   auto options = std::make_shared<LocalizeOptions>();
   CLI::App* command = app.add_subcommand("localize", "find the pose of every object of a scene");
-  command->add_option("scenes", options->scenes, "scene files (YAML)")->required();
+  command->add_option("scenes", options->scenes, "scene files (YAML)");
   command->add_option("-o,--output", options->output,
                       "folder for result.json, rendered_depth.png and a picture");
   command->add_option(
@@ -165,6 +184,7 @@ void add_localize(CLI::App& app, Run& run) {
   command->add_flag("--exhaustive", options->exhaustive,
                     "value every scene instead of searching; for small grids");
   command->add_flag("-q,--quiet", options->quiet, "no progress line and no table");
+  options->bop.add_to(*command);
   options->settings.add_to(*command, {{"--method", "method"},
                                       {"--w", "search.w"},
                                       {"--delta", "cost.delta"},

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <charconv>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -14,6 +15,7 @@
 #include "perch/core/stopwatch.hpp"
 #include "perch/io/atomic_write.hpp"
 #include "perch/parallel/executor.hpp"
+#include "perch/sim/bop_set.hpp"
 #include "perch/sim/chess_pieces.hpp"
 #include "perch/sim/model_catalogue.hpp"
 #include "perch/sim/parametric_models.hpp"
@@ -34,7 +36,7 @@ struct SimulateOptions {
   std::optional<std::string> objects, repeats, models, visible, distance, elevation, azimuth, workspace, gap,
       image;
   std::vector<std::string> assignments;
-  bool table = false, models_only = false, picture = false, quiet = false;
+  bool table = false, bop = false, models_only = false, picture = false, quiet = false;
 };
 
 /// A number at the beginning of the text, which is shortened by it. Throws InvalidSetting where there is
@@ -118,7 +120,7 @@ SceneRecipe read_recipe(const SimulateOptions& o) {
         two_numbers<double>("--workspace", *o.workspace, 'x', false);
   if (o.gap) recipe.least_gap = whole_text<double>("--gap", *o.gap, 0.0, 1.0);
   if (o.image) std::tie(recipe.width, recipe.height) = two_numbers<int>("--image", *o.image, 'x', false);
-  recipe.table = o.table;
+  recipe.table = o.table || o.bop;
   recipe.sensor = blaming("--sensor", [&] { return named_sensor(o.sensor); });
   for (const std::string& assignment : o.assignments) {
     const auto equals = assignment.find('=');
@@ -200,12 +202,12 @@ struct FirstError {
   }
 };
 
-void write_scenes(const SimulateOptions& options, const SceneMaker& maker, std::uint64_t first,
-                  std::uint64_t count, std::uint64_t set_seed, const Executor& executor) {
-  SceneSetFolder folder(options.output);
-  for (std::uint64_t i = 0; i < count; ++i) folder.check_free(first + i);
-  folder.write_models(maker.models());
-  folder.remember(first, count);
+/// Makes the scenes and hands each to `write`, from several threads; writes the picture, where one is asked
+/// for, to `folder`.
+SceneTally make_scenes(const SimulateOptions& options, const SceneMaker& maker, std::uint64_t first,
+                       std::uint64_t count, std::uint64_t set_seed, const Executor& executor,
+                       const std::filesystem::path& folder,
+                       const std::function<void(std::uint64_t, const MadeScene&)>& write) {
   FirstError error;
   SceneTally tally;
   SceneCounter counter(options.quiet, count);
@@ -218,9 +220,7 @@ void write_scenes(const SimulateOptions& options, const SceneMaker& maker, std::
         if (index > error.index) return;
         try {
           const MadeScene made = maker.make(scene_seed(set_seed, index));
-          folder.write_scene(index, made,
-                             fmt::format("Scene {} of seed {}, made by perch simulate: {}, sensor {}.", index,
-                                         set_seed, options.layout, options.sensor));
+          write(index, made);
           if (i < thumbnails.size())
             thumbnails[i] = thumbnail(made, fmt::format("scene {}, {}", index, options.sensor));
           const std::lock_guard lock(tally_mutex);
@@ -234,8 +234,32 @@ void write_scenes(const SimulateOptions& options, const SceneMaker& maker, std::
   if (error.index != UINT64_MAX)
     throw InputError(
         fmt::format("{}: scene {}: {}", shown(options.output), error.index.load(), error.message));
-  if (!thumbnails.empty()) write_atomically(folder.path() / "picture.png", draw_scenes(thumbnails));
-  folder.keep();
+  if (!thumbnails.empty()) write_atomically(folder / "picture.png", draw_scenes(thumbnails));
+  return tally;
+}
+
+void write_scenes(const SimulateOptions& options, const SceneMaker& maker, std::uint64_t first,
+                  std::uint64_t count, std::uint64_t set_seed, const Executor& executor) {
+  SceneTally tally;
+  if (options.bop) {
+    BopSetFolder folder(options.output, maker.models());
+    tally = make_scenes(options, maker, first, count, set_seed, executor, folder.path(),
+                        [&](std::uint64_t index, const MadeScene& made) { folder.write_scene(index, made); });
+    folder.finish();
+  } else {
+    SceneSetFolder folder(options.output);
+    for (std::uint64_t i = 0; i < count; ++i) folder.check_free(first + i);
+    folder.write_models(maker.models());
+    folder.remember(first, count);
+    tally = make_scenes(options, maker, first, count, set_seed, executor, folder.path(),
+                        [&](std::uint64_t index, const MadeScene& made) {
+                          folder.write_scene(
+                              index, made,
+                              fmt::format("Scene {} of seed {}, made by perch simulate: {}, sensor {}.",
+                                          index, set_seed, options.layout, options.sensor));
+                        });
+    folder.keep();
+  }
   if (!options.quiet) tally.print(shown(options.output));
 }
 
@@ -244,6 +268,8 @@ int simulate_scenes(const SimulateOptions& options) {
   const auto count = whole_text<std::uint64_t>("--scenes", options.scenes, 1, most_scenes - first);
   const auto seed = whole_text<std::uint64_t>("--seed", options.seed, 0, UINT64_MAX);
   const auto threads = whole_text<std::size_t>("--threads", options.threads, 0, 1024);
+  if (options.bop && options.models_only)
+    throw InvalidSetting("--bop and --models-only: a data set without images is none; leave one out");
   const SceneMaker maker(read_recipe(options));
   if (options.models_only) {
     SceneSetFolder folder(options.output);
@@ -296,6 +322,9 @@ void add_simulate(CLI::App& app, Run& run) {
   command->add_option("--sensor", o.sensor, fmt::format("{} [kinect]", fmt::join(sensor_names(), ", ")));
   command->add_option("--set", o.assignments, sensor_help())->allow_extra_args(false);
   command->add_flag("--table", o.table, "leave the table in the depth image and write a mask of the objects");
+  command->add_flag(
+      "--bop", o.bop,
+      "write a data set in BOP layout instead, with the table in view: a scene with one image for each");
   command->add_flag("--models-only", o.models_only, "write the meshes alone, and list them");
   command->add_flag("--picture", o.picture,
                     "write picture.png: the first scenes, or with --models-only the models");

@@ -15,18 +15,16 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uintmax_t most_bytes = 8U << 20U;
 constexpr int deepest = 16;
 
 /// Looks at a document while it is parsed.
 class Watch {
  public:
-  explicit Watch(const std::string& file) : file_(file) {}
+  Watch(const std::string& file, const std::string& kind) : file_(file), kind_(kind) {}
 
   bool operator()(int depth, Json::parse_event_t event, const Json& value) {
     if (depth > deepest)
-      throw InputError(
-          fmt::format("{}: is nested deeper than {} levels; give a result.json of perch", file_, deepest));
+      throw InputError(fmt::format("{}: is nested deeper than {} levels; give a {}", file_, deepest, kind_));
     if (event == Json::parse_event_t::object_start) keys_.emplace_back();
     if (event == Json::parse_event_t::object_end) keys_.pop_back();
     if (event == Json::parse_event_t::key && !keys_.back().insert(value.get<std::string>()).second)
@@ -36,26 +34,26 @@ class Watch {
   }
 
  private:
-  const std::string& file_;
+  const std::string &file_, &kind_;
   std::vector<std::set<std::string>> keys_;  ///< of the maps that are open
 };
 
 }  // namespace
 
-JsonEntry JsonEntry::read(const std::filesystem::path& file) {
-  const auto name = std::make_shared<const std::string>(shown(file));
-  const std::string bytes = read_file(file, most_bytes);
+JsonEntry JsonEntry::read(const std::filesystem::path& file, const JsonKind& kind) {
+  const auto source = std::make_shared<const Source>(Source{shown(file), kind.name});
+  const std::string bytes = read_file(file, kind.most_bytes);
   try {
-    const auto root = std::make_shared<const Json>(Json::parse(bytes, Watch(*name)));
-    return {root, root.get(), name, ""};
+    const auto root = std::make_shared<const Json>(Json::parse(bytes, Watch(source->file, source->kind)));
+    return {root, root.get(), source, ""};
   } catch (const Json::exception& e) {
-    throw InputError(fmt::format("{}: is no JSON ({}); write it again", *name, one_line(e.what())));
+    throw InputError(fmt::format("{}: is no JSON ({}); write it again", source->file, one_line(e.what())));
   }
 }
 
 void JsonEntry::fail(const std::string& what_and_remedy) const {
-  throw InputError(key_.empty() ? fmt::format("{}: {}", *file_, what_and_remedy)
-                                : fmt::format("{}: {}: {}", *file_, key_, what_and_remedy));
+  throw InputError(key_.empty() ? fmt::format("{}: {}", source_->file, what_and_remedy)
+                                : fmt::format("{}: {}: {}", source_->file, key_, what_and_remedy));
 }
 
 std::string JsonEntry::value() const {
@@ -77,8 +75,8 @@ JsonEntry JsonEntry::operator[](std::string_view key) const {
   const std::string path = key_.empty() ? std::string(key) : fmt::format("{}.{}", key_, key);
   const auto found = json_->find(std::string(key));
   if (found == json_->end())
-    JsonEntry(root_, json_, file_, path).fail("is missing; give the whole result.json of perch");
-  return {root_, &*found, file_, path};
+    JsonEntry(root_, json_, source_, path).fail(fmt::format("is missing; give the whole {}", source_->kind));
+  return {root_, &*found, source_, path};
 }
 
 double JsonEntry::number() const {
@@ -111,7 +109,23 @@ std::vector<JsonEntry> JsonEntry::items() const {
   if (!json_->is_array()) fail(fmt::format("{} stands here; a list is expected", value()));
   std::vector<JsonEntry> out;
   for (std::size_t i = 0; i < json_->size(); ++i)
-    out.push_back(JsonEntry(root_, &(*json_)[i], file_, fmt::format("{}[{}]", key_, i)));
+    out.push_back(JsonEntry(root_, &(*json_)[i], source_, fmt::format("{}[{}]", key_, i)));
+  return out;
+}
+
+std::vector<double> JsonEntry::numbers(std::size_t count) const {
+  const std::vector<JsonEntry> entries = items();
+  if (entries.size() != count)
+    fail(fmt::format("has {} values; give a list of {} numbers", entries.size(), count));
+  std::vector<double> out;
+  for (const JsonEntry& entry : entries) out.push_back(entry.number());
+  return out;
+}
+
+std::vector<std::string> JsonEntry::keys() const {
+  if (!json_->is_object()) fail(fmt::format("{} stands here; a map is expected", value()));
+  std::vector<std::string> out;
+  for (const auto& [key, unused] : json_->items()) out.push_back(key);
   return out;
 }
 

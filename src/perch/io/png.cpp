@@ -84,6 +84,10 @@ class PngReader {
   int bit_depth() const { return png_get_bit_depth(png_, info_); }
   int color_type() const { return png_get_color_type(png_, info_); }
 
+  PngSize size() const {
+    return {static_cast<int>(png_get_image_width(png_, info_)),
+            static_cast<int>(png_get_image_height(png_, info_))};
+  }
   void require_size(int width, int height) const {
     const png_uint_32 w = png_get_image_width(png_, info_), h = png_get_image_height(png_, info_);
     if (w != static_cast<png_uint_32>(width) || h != static_cast<png_uint_32>(height))
@@ -184,6 +188,10 @@ std::string encode(int width, int height, int bit_depth, int color_type, const p
 }
 
 }  // namespace
+
+PngSize png_size(const std::filesystem::path& path) {
+  return PngReader(path).size();
+}
 
 Image<std::uint16_t> read_png16_gray(const std::filesystem::path& path, int width, int height) {
   PngReader reader(path);

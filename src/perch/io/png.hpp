@@ -9,6 +9,12 @@
 
 namespace perch {
 
+/// The width and height that a PNG's header states, pixels. Throws InputError for a file that is none.
+struct PngSize {
+  int width = 0, height = 0;
+};
+PngSize png_size(const std::filesystem::path& path);
+
 /// The counts of a depth image: a 16-bit greyscale PNG of exactly width x height pixels. Throws InputError
 /// (one line: file, what, remedy) for any other kind or size, a truncated or damaged file, or no PNG; the
 /// size is looked at before memory is taken.

@@ -13,6 +13,7 @@
 #include "perch/io/model_names.hpp"
 #include "perch/io/png.hpp"
 #include "perch/io/yaml_entry.hpp"
+#include "perch/model/rest_poses.hpp"
 
 namespace perch {
 namespace {
@@ -158,12 +159,24 @@ class MeshShelf {
   std::map<std::pair<fs::path, LengthUnit>, Mesh> meshes_;
 };
 
+/// The directions that point up when the model rests by itself.
+std::vector<Eigen::Vector3d> stable_ups(const YamlEntry& entry, const SceneModel& model) {
+  std::vector<Eigen::Vector3d> ups;
+  try {
+    for (const StablePose& pose : rest_poses(model.mesh, ModelSymmetries::about_z(model.symmetry)))
+      ups.push_back(pose.up);
+  } catch (const InputError& e) {
+    entry.fail(
+        fmt::format("\"auto\": the mesh {}; list the directions that may point up, as [0, 0, 1]", e.what()));
+  }
+  return ups;
+}
+
 /// The directions of the model's frame that may point up, unit length.
-std::vector<Eigen::Vector3d> read_rest_poses(const YamlEntry& entry) {
+std::vector<Eigen::Vector3d> read_rest_poses(const YamlEntry& entry, const SceneModel& model) {
   constexpr std::size_t most = 64;
   constexpr double least_angle = 1e-4;  // radians: two that differ by less are one
-  if (entry.is_scalar() && entry.text() == "auto")
-    entry.fail("\"auto\": finding rest poses is not built yet; list the directions that may point up");
+  if (entry.is_scalar() && entry.text() == "auto") return stable_ups(entry, model);
   const auto items = entry.items("directions of the model that may point up");
   if (items.empty()) entry.fail("is empty; list the directions of the model that may point up, as [0, 0, 1]");
   if (items.size() > most) entry.fail(fmt::format("has {} entries; give at most {}", items.size(), most));
@@ -210,7 +223,7 @@ std::vector<SceneModel> read_model(const std::string& name, const YamlEntry& ent
   const YamlEntry& mesh = fields.required("mesh", "name a mesh file");
   model.mesh = at_key(mesh, [&] { return shelf.get(beside(folder, mesh), unit, entry.key() + ".unit"); });
   std::vector<Eigen::Vector3d> ups{Eigen::Vector3d::UnitZ()};
-  if (const YamlEntry* rest_poses = fields.optional("rest_poses")) ups = read_rest_poses(*rest_poses);
+  if (const YamlEntry* given = fields.optional("rest_poses")) ups = read_rest_poses(*given, model);
   return bodies_of(model, ups);
 }
 

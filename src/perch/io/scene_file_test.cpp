@@ -150,6 +150,29 @@ TEST(SceneFile, DamagedFilesLoadOrAreRefusedAndNothingElse) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
+TEST(SceneFile, FindsRestPoses) {
+  const TemporaryDirectory dir;
+  write_scene_files(dir);
+  // A box of 100 x 60 x 40 mm looks the same upside down: it stands on its largest side, on the next, on an
+  // end.
+  const auto text = replaced(scene_text, "symmetry: continuous", "symmetry: none, rest_poses: auto");
+  const Scene scene = read_scene(dir.write("scene.yaml", text));
+  ASSERT_EQ(scene.models.size(), 5U);
+  EXPECT_EQ(scene.objects, (std::vector<SceneObject>{0, 0, 1}));
+  const double heights[] = {0.04, 0.06, 0.1};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(scene.models[1 + i].name, "can");
+    EXPECT_NEAR(scene.models[1 + i].mesh.bounds().max().z(), heights[i], 1e-6);
+  }
+  dir.write("meshes/box.ply",
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+            "0 0 0\n90 0 0\n90 90 0\n0 90 0\n4 0 1 2 3\n");
+  EXPECT_THAT(
+      input_error([&] { read_scene(dir.path() / "scene.yaml"); }),
+      HasSubstr("models.can.rest_poses: \"auto\": the mesh is flat or nearly so; list the directions"));
+}
+
 TEST(SceneFile, ReadsTheTestData) {
   const char* data = std::getenv("PERCH_TEST_DATA");
   if (!data) GTEST_SKIP() << "PERCH_TEST_DATA names no folder of test scenes";
