@@ -166,7 +166,7 @@ TEST_F(SceneRefusals, Observation) {
                                                         {"\"0.001\"", "not a number"},
                                                         {"mm", "not a number"}})
     line_refused("depth_scale:", "  depth_scale: " + value, {"observation.depth_scale", word});
-  line_refused("depth: ", "  cloud: scene.pcd", {"observation.cloud", "not built yet"});
+  line_refused("depth: ", "  cloud: scene.pcd", {"observation.cloud", "scene.pcd", "no such file"});
   line_refused("background:", "  background: table", {"observation.background", "not built yet"});
   line_refused("background:", "  background: remove", {"observation.background", "did you mean removed?"});
   write(folder() / "mask.png", encode_png16_gray(Image<std::uint16_t>(160, 120, 0)));

@@ -122,9 +122,8 @@ TEST_F(SceneErrors, Observation) {
               AllOf(HasSubstr("observation.background"), HasSubstr("not built yet"),
                     HasSubstr("mask the objects and use background: removed")));
   EXPECT_THAT(changed("background: removed", "background: remove"), HasSubstr("did you mean removed?"));
-  EXPECT_THAT(
-      changed("  mask: images/mask.png", "  cloud: scene.pcd"),
-      AllOf(HasSubstr("observation.cloud: "), HasSubstr("not built yet"), HasSubstr("observation.depth")));
+  EXPECT_THAT(changed("depth: images/depth.png", "cloud: scene.pcd"),
+              AllOf(HasSubstr("observation.cloud: "), HasSubstr("no such file")));
 }
 
 TEST_F(SceneErrors, TableAndWorkspace) {

@@ -8,6 +8,7 @@
 #include <new>
 
 #include "perch/core/error.hpp"
+#include "perch/io/cloud_depth_file.hpp"
 #include "perch/io/mesh_file.hpp"
 #include "perch/io/message.hpp"
 #include "perch/io/model_names.hpp"
@@ -77,10 +78,29 @@ Camera read_camera(const YamlEntry& entry) {
   return camera;
 }
 
+LengthUnit read_unit(const YamlEntry& word) {
+  const auto parsed = parse_length_unit(word.text());
+  if (!parsed) word.fail(fmt::format("{} is no unit; give m or mm", word.value()));
+  return *parsed;
+}
+
+CloudReading read_cloud_reading(const YamlFields& fields, bool has_camera_pose) {
+  CloudReading reading;
+  if (const YamlEntry* unit = fields.optional("cloud_unit")) reading.unit = read_unit(*unit);
+  if (const YamlEntry* frame = fields.optional("cloud_frame")) {
+    const std::string word = frame->text();
+    if (word != "camera" && word != "world")
+      frame->fail(fmt::format("{} is no frame; give camera or world", frame->value()));
+    if (word == "world") reading.frame = CloudFrame::world;
+    if (word == "world" && !has_camera_pose)
+      frame->fail("\"world\" needs the camera's pose; give camera.world_from_camera");
+  }
+  return reading;
+}
+
 void read_observation(const YamlEntry& entry, const fs::path& folder, Scene& scene) {
-  const YamlFields fields = entry.fields({"depth", "depth_scale", "mask", "cloud", "color", "background"});
-  if (const YamlEntry* cloud = fields.optional("cloud"))
-    cloud->fail("reading clouds is not built yet; give observation.depth, a 16-bit PNG");
+  const YamlFields fields = entry.fields(
+      {"depth", "depth_scale", "mask", "cloud", "cloud_frame", "cloud_unit", "color", "background"});
   if (const YamlEntry* background = fields.optional("background")) {
     const std::string word = background->text();
     if (word == "table")
@@ -91,16 +111,31 @@ void read_observation(const YamlEntry& entry, const fs::path& folder, Scene& sce
       background->fail(fmt::format("{} is no background; {}", background->value(),
                                    did_you_mean(word, {"removed", "table"})));
   }
-  const YamlEntry& scale = fields.required("depth_scale", "give the metres per count, e.g. 0.001");
-  scene.depth_scale = scale.number("metres per count");
-  if (scene.depth_scale <= 0.0)
-    scale.fail(fmt::format("{} is not > 0; give the metres per count, e.g. 0.001", scale.value()));
+  const YamlEntry* cloud = fields.optional("cloud");
+  if (!cloud) fields.required("depth_scale", "give the metres per count, e.g. 0.001");
+  if (const YamlEntry* scale = fields.optional("depth_scale")) {
+    scene.depth_scale = scale->number("metres per count");
+    if (scene.depth_scale <= 0.0)
+      scale->fail(fmt::format("{} is not > 0; give the metres per count, e.g. 0.001", scale->value()));
+  }
 
   const int width = scene.camera.intrinsics.width, height = scene.camera.intrinsics.height;
-  const YamlEntry& depth = fields.required("depth", "name a 16-bit greyscale PNG");
-  scene.depth =
-      depth_from_counts(at_key(depth, [&] { return read_png16_gray(beside(folder, depth), width, height); }),
-                        scene.depth_scale);
+  if (cloud) {
+    if (const YamlEntry* depth = fields.optional("depth"))
+      depth->fail("stands beside observation.cloud; give one of the two");
+    const CloudReading reading = read_cloud_reading(fields, scene.has_camera_pose);
+    scene.depth = at_key(*cloud, [&] {
+      return read_cloud_depth(beside(folder, *cloud), reading, scene.camera, scene.has_camera_pose);
+    });
+  } else {
+    for (const char* key : {"cloud_frame", "cloud_unit"})
+      if (const YamlEntry* of_cloud = fields.optional(key))
+        of_cloud->fail("there is no observation.cloud; remove it, or name a PCD or PLY file there");
+    const YamlEntry& depth = fields.required("depth", "name a 16-bit greyscale PNG");
+    scene.depth = depth_from_counts(
+        at_key(depth, [&] { return read_png16_gray(beside(folder, depth), width, height); }),
+        scene.depth_scale);
+  }
   if (const YamlEntry* mask = fields.optional("mask"))
     scene.mask = at_key(*mask, [&] { return read_mask(beside(folder, *mask), width, height); });
   if (const YamlEntry* color = fields.optional("color"))
@@ -163,11 +198,7 @@ SceneModel read_model(const std::string& name, const YamlEntry& entry, const fs:
   SceneModel model;
   model.name = name;
   LengthUnit unit = LengthUnit::metres;
-  if (const YamlEntry* word = fields.optional("unit")) {
-    const auto parsed = parse_length_unit(word->text());
-    if (!parsed) word->fail(fmt::format("{} is no unit; give m or mm", word->value()));
-    unit = *parsed;
-  }
+  if (const YamlEntry* word = fields.optional("unit")) unit = read_unit(*word);
   if (const YamlEntry* symmetry = fields.optional("symmetry")) model.symmetry = read_symmetry(*symmetry);
   if (const YamlEntry* base = fields.optional("base")) {
     model.base = base->number("metres above the support plane");
@@ -233,7 +264,7 @@ Scene read_checked(const fs::path& scene_file) {
   Scene scene;
   scene.name = scene_file.stem().string();
   scene.camera = read_camera(fields.required("camera", "give intrinsics and world_from_camera"));
-  const YamlEntry& observation = fields.required("observation", "give depth and depth_scale");
+  const YamlEntry& observation = fields.required("observation", "give depth and depth_scale, or cloud");
   const YamlEntry& models = fields.required("models", "give name: {mesh: FILE}");
   const YamlEntry& objects = fields.required("objects", "list the names of the models present");
   if (const YamlEntry* table = fields.optional("table")) scene.table_height = read_table(*table);
