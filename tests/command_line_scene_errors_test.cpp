@@ -201,7 +201,6 @@ TEST_F(SceneRefusals, Models) {
   model("  mug: {mesh: models/mug.ply, base: 100}", {"models.mug.base"});
   for (const std::string symmetry : {"0", "361", "-2", "2.5", "round", "\"3\""})
     model("  mug: {mesh: models/mug.ply, symmetry: " + symmetry + "}", {"models.mug.symmetry", "1 to 360"});
-  model("  mug: {mesh: models/mug.ply, symmetry: auto}", {"models.mug.symmetry", "not built yet"});
   refused(with_lines(yaml, "models:", "objects:", "models: {}\n"), {"models", "at least one"});
 }
 

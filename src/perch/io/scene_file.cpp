@@ -168,12 +168,11 @@ Symmetry read_symmetry(const YamlEntry& entry) {
   const std::string word = entry.text();
   if (word == "none") return Symmetry::none();
   if (word == "continuous") return Symmetry::continuous();
-  if (word == "auto")
-    entry.fail("\"auto\": finding symmetry is not built yet; give none, continuous or a whole number");
   const bool number = word.find_first_not_of("+-0123456789.eE") == std::string::npos;
   if (number && !entry.is_quoted()) return Symmetry::n_fold(entry.integer(1, 360));
-  entry.fail(
-      fmt::format("{} is no symmetry; give none, continuous or a whole number from 1 to 360", entry.value()));
+  entry.fail(fmt::format(
+      "{} is no symmetry; give none, continuous, a whole number from 1 to 360 or, for a model, auto",
+      entry.value()));
 }
 
 /// Reads each file once, however many models share it.
@@ -199,7 +198,10 @@ SceneModel read_model(const std::string& name, const YamlEntry& entry, const fs:
   model.name = name;
   LengthUnit unit = LengthUnit::metres;
   if (const YamlEntry* word = fields.optional("unit")) unit = read_unit(*word);
-  if (const YamlEntry* symmetry = fields.optional("symmetry")) model.symmetry = read_symmetry(*symmetry);
+  if (const YamlEntry* symmetry = fields.optional("symmetry")) {
+    model.find_symmetry = !symmetry->is_quoted() && symmetry->text() == "auto";
+    if (!model.find_symmetry) model.symmetry = read_symmetry(*symmetry);
+  }
   if (const YamlEntry* base = fields.optional("base")) {
     model.base = base->number("metres above the support plane");
     if (std::abs(model.base) > farthest_base)
@@ -246,8 +248,8 @@ std::vector<TruthPose> read_truth(const YamlEntry& entry, const std::vector<Scen
     const YamlFields fields = item.fields({"model", "x", "y", "yaw", "symmetry"});
     const PlacedModel placed = placed_model(fields, models);
     const YamlEntry* symmetry = fields.optional("symmetry");
-    truth.push_back(
-        {placed.model, placed.pose, symmetry ? read_symmetry(*symmetry) : models[placed.model].symmetry});
+    truth.push_back({placed.model, placed.pose,
+                     symmetry ? read_symmetry(*symmetry) : models[placed.model].symmetry, !symmetry});
   }
   return truth;
 }

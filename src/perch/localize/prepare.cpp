@@ -1,8 +1,29 @@
 #include "perch/localize/prepare.hpp"
 
-namespace perch {
+#include "perch/localize/symmetry_search.hpp"
 
-Scene prepare(Scene scene, const Settings&, const Executor&) {
+namespace perch {
+namespace {
+
+/// Finds the symmetries that are asked for, and gives them to the truth poses that take their model's.
+void find_symmetries(Scene& scene, double delta, const Executor& executor) {
+  executor.for_each(
+      scene.models.size(),
+      [&](std::size_t i, std::size_t) {
+        SceneModel& model = scene.models[i];
+        if (!model.find_symmetry) return;
+        model.symmetry = find_symmetry(model.mesh, delta).symmetry;
+        model.find_symmetry = false;
+      },
+      StopCondition());
+  for (TruthPose& truth : scene.truth)
+    if (truth.has_models_symmetry) truth.symmetry = scene.models[truth.model].symmetry;
+}
+
+}  // namespace
+
+Scene prepare(Scene scene, const Settings& settings, const Executor& executor) {
+  find_symmetries(scene, settings.candidates.cost.delta, executor);
   return scene;
 }
 

@@ -19,7 +19,8 @@ struct SceneModel {
   std::string name;
   Mesh mesh;  ///< metres, stood on z = 0
   Symmetry symmetry = Symmetry::none();
-  double base = 0.0;  ///< height of the lowest point above the support plane, metres
+  double base = 0.0;           ///< height of the lowest point above the support plane, metres
+  bool find_symmetry = false;  ///< `symmetry` is still to be found, by prepare()
 };
 
 /// A model's pose in the scene; `model` counts into Scene::models.
@@ -42,6 +43,7 @@ struct TruthPose {
   std::size_t model = 0;
   Pose pose;
   Symmetry symmetry = Symmetry::none();
+  bool has_models_symmetry = false;  ///< `symmetry` is its model's, also where that is still to be found
 };
 
 /// What of the depth image belongs to no object of interest.
