@@ -23,6 +23,7 @@ void find_symmetries(Scene& scene, double delta, const Executor& executor) {
 }  // namespace
 
 Scene prepare(Scene scene, const Settings& settings, const Executor& executor) {
+  settings.check();
   find_symmetries(scene, settings.candidates.cost.delta, executor);
   return scene;
 }

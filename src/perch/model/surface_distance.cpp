@@ -53,20 +53,20 @@ bool for_each_piece(const Corners& triangle, float spacing, const Visit& visit) 
   return true;
 }
 
-struct Middles {
-  const std::vector<Eigen::Vector3f>& points;
-
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
-  template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 }  // namespace
 
 struct SurfaceDistance::Tree {
+  struct Middles {
+    const std::vector<Eigen::Vector3f>& points;
+
+    std::size_t kdtree_get_point_count() const { return points.size(); }
+    float kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
+    template <typename Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
+
   explicit Tree(const std::vector<Eigen::Vector3f>& points) : middles{points}, index(3, middles, {12}) {}
 
   Middles middles;
