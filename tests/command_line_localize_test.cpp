@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <regex>
+
 #include "command_line_result_checks.hpp"
 #include "perch/io/scene_file.hpp"
 
@@ -190,6 +192,17 @@ TEST_F(Localize, ACloudGivesTheResultOfItsDepthImage) {
   EXPECT_EQ(of_cloud, of_depth);
   EXPECT_EQ(bytes_of(folder() / "of_cloud/rendered_depth.png"),
             bytes_of(folder() / "of_depth/rendered_depth.png"));
+}
+
+TEST_F(Localize, SymmetriesMayBeLeftToBeFound) {
+  const std::string given = bytes_of(folder() / "scene.yaml");
+  const std::string asked =
+      std::regex_replace(given, std::regex("symmetry: (none|continuous|[0-9]+)"), "symmetry: auto");
+  ASSERT_NE(asked, given);
+  write(folder() / "auto.yaml", asked);
+  EXPECT_EQ(run(coarse({"localize", "scene.yaml", "-o", "given"})).status, 0);
+  EXPECT_EQ(run(coarse({"localize", "auto.yaml", "-o", "found"})).status, 0);
+  EXPECT_EQ(json("found/result.json").at("objects"), json("given/result.json").at("objects"));
 }
 
 TEST_F(Localize, PathsAreRelativeToTheSceneFile) {
