@@ -1,4 +1,9 @@
+#include <fmt/format.h>
+
+#include <regex>
+
 #include "command_line_result_checks.hpp"
+#include "perch/io/scene_file.hpp"
 
 // What `perch localize` answers where the input is good.
 namespace perch::command_line {
@@ -160,6 +165,44 @@ TEST_F(Localize, JsonSceneIsYaml) {
   EXPECT_EQ(run(coarse({"localize", "scene.json", "-o", "from_json"})).status, 0);
   EXPECT_EQ(run(coarse({"localize", "scene.yaml", "-o", "from_yaml"})).status, 0);
   EXPECT_EQ(json("from_json/result.json").at("objects"), json("from_yaml/result.json").at("objects"));
+}
+
+TEST_F(Localize, ACloudGivesTheResultOfItsDepthImage) {
+  const Intrinsics& k = scene.scene.camera.intrinsics;
+  const DepthImage depth = read_scene(folder() / "scene.yaml").depth;
+  std::string cloud = fmt::format(
+      "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {}\nHEIGHT {}\nDATA ascii\n",
+      k.width, k.height);
+  for (int v = 0; v < k.height; ++v)
+    for (int u = 0; u < k.width; ++u) {
+      const float z = depth(u, v);
+      cloud += z == 0.0F ? "nan nan nan\n"
+                         : fmt::format("{} {} {}\n", (u - k.cx) / k.fx * double{z},
+                                       (v - k.cy) / k.fy * double{z}, z);
+    }
+  write(folder() / "scene.pcd", cloud);
+  std::string text = bytes_of(folder() / "scene.yaml");
+  const std::size_t at = text.find("depth: depth.png");
+  ASSERT_NE(at, std::string::npos);
+  write(folder() / "cloud.yaml", text.replace(at, 16, "cloud: scene.pcd"));
+  EXPECT_EQ(run(coarse({"localize", "scene.yaml", "-o", "of_depth"})).status, 0);
+  EXPECT_EQ(run(coarse({"localize", "cloud.yaml", "-o", "of_cloud"})).status, 0);
+  Json of_depth = json("of_depth/result.json"), of_cloud = json("of_cloud/result.json");
+  for (Json* result : {&of_depth, &of_cloud}) (*result)["stats"].erase("seconds");
+  EXPECT_EQ(of_cloud, of_depth);
+  EXPECT_EQ(bytes_of(folder() / "of_cloud/rendered_depth.png"),
+            bytes_of(folder() / "of_depth/rendered_depth.png"));
+}
+
+TEST_F(Localize, SymmetriesMayBeLeftToBeFound) {
+  const std::string given = bytes_of(folder() / "scene.yaml");
+  const std::string asked =
+      std::regex_replace(given, std::regex("symmetry: (none|continuous|[0-9]+)"), "symmetry: auto");
+  ASSERT_NE(asked, given);
+  write(folder() / "auto.yaml", asked);
+  EXPECT_EQ(run(coarse({"localize", "scene.yaml", "-o", "given"})).status, 0);
+  EXPECT_EQ(run(coarse({"localize", "auto.yaml", "-o", "found"})).status, 0);
+  EXPECT_EQ(json("found/result.json").at("objects"), json("given/result.json").at("objects"));
 }
 
 TEST_F(Localize, PathsAreRelativeToTheSceneFile) {

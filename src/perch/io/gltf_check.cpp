@@ -17,11 +17,11 @@ using Json = nlohmann::json;
 /// 8.
 std::string_view json_part(std::string_view bytes) {
   if (!bytes.starts_with("glTF")) return bytes;
-  if (bytes.size() < 20) throw MeshFault{"is truncated: it has fewer bytes than a header"};
+  if (bytes.size() < 20) throw FormatFault{"is truncated: it has fewer bytes than a header"};
   std::size_t length = 0;
   for (std::size_t k = 4; k-- > 0;) length = length << 8 | static_cast<unsigned char>(bytes[12 + k]);
   if (length > bytes.size() - 20)
-    throw MeshFault{"is truncated: its header promises more than the file holds"};
+    throw FormatFault{"is truncated: its header promises more than the file holds"};
   return bytes.substr(20, length);
 }
 
@@ -48,7 +48,7 @@ std::size_t promised_triangles(const std::filesystem::path& path) {
         sum += triangles_of(primitive.value("mode", 4), n);
       }
   } catch (const Json::exception& e) {
-    throw MeshFault{fmt::format("is no complete glTF 2 file ({})", one_line(e.what()))};
+    throw FormatFault{fmt::format("is no complete glTF 2 file ({})", one_line(e.what()))};
   }
   return sum;
 }

@@ -36,12 +36,12 @@ std::string format_of(const std::filesystem::path& path) {
   return extension;
 }
 
-/// Appends a part of the importer's scene; throws MeshFault for what the importer let through.
+/// Appends a part of the importer's scene; throws FormatFault for what the importer let through.
 void append(const aiMesh& part, const aiMatrix4x4& root_from_part, PolygonMesh& out) {
   // A file may place one mesh many times.
   constexpr std::size_t most_vertices = 500'000'000;
   const std::size_t first = out.vertices.size();
-  if (first + part.mNumVertices > most_vertices) throw MeshFault{"has too many vertices"};
+  if (first + part.mNumVertices > most_vertices) throw FormatFault{"has too many vertices"};
   const aiMatrix4x4& m = root_from_part;
   for (unsigned i = 0; i < part.mNumVertices; ++i) {
     const double x = part.mVertices[i].x, y = part.mVertices[i].y, z = part.mVertices[i].z;
@@ -49,15 +49,15 @@ void append(const aiMesh& part, const aiMatrix4x4& root_from_part, PolygonMesh& 
                             double{m.b1} * x + double{m.b2} * y + double{m.b3} * z + double{m.b4},
                             double{m.c1} * x + double{m.c2} * y + double{m.c3} * z + double{m.c4});
     if (!p.cast<float>().allFinite())
-      throw MeshFault{fmt::format("has a vertex that is not finite (number {})", out.vertices.size())};
+      throw FormatFault{fmt::format("has a vertex that is not finite (number {})", out.vertices.size())};
     out.vertices.push_back(p);
   }
   for (unsigned f = 0; f < part.mNumFaces; ++f) {
     const aiFace& face = part.mFaces[f];
     for (unsigned k = 0; k < face.mNumIndices; ++k) {
       if (face.mIndices[k] >= part.mNumVertices)
-        throw MeshFault{fmt::format("has a face (number {}) that names vertex {} of {}", f, face.mIndices[k],
-                                    part.mNumVertices)};
+        throw FormatFault{fmt::format("has a face (number {}) that names vertex {} of {}", f,
+                                      face.mIndices[k], part.mNumVertices)};
       out.corners.push_back(static_cast<std::uint32_t>(first + face.mIndices[k]));
     }
     out.ends.push_back(out.corners.size());
@@ -97,10 +97,10 @@ PolygonMesh read_gltf(const std::filesystem::path& path) {
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(path.string(), 0);
   if (!scene || !scene->mRootNode)
-    throw MeshFault{fmt::format("can't be read as a mesh ({})", one_line(importer.GetErrorString()))};
+    throw FormatFault{fmt::format("can't be read as a mesh ({})", one_line(importer.GetErrorString()))};
   const std::size_t read = triangles(*scene);
   if (promised != read)
-    throw MeshFault{fmt::format("promises {} triangles, {} of which can be read", promised, read)};
+    throw FormatFault{fmt::format("promises {} triangles, {} of which can be read", promised, read)};
   return placed_meshes(*scene);
 }
 
@@ -145,7 +145,7 @@ Mesh read_checked(const std::filesystem::path& path, LengthUnit unit, const std:
   Mesh mesh;
   try {
     mesh = joined(read_polygons(path, format), unit == LengthUnit::metres ? 1.0 : 0.001);
-  } catch (const MeshFault& fault) {
+  } catch (const FormatFault& fault) {
     fail(fault.what + "; export the mesh again");
   }
   if (mesh.triangles.empty()) fail("has no triangles; give a surface, not points or lines");

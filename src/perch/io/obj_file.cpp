@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "perch/io/mesh_text.hpp"
+#include "perch/io/text_values.hpp"
 
 namespace perch {
 namespace {
@@ -16,7 +16,7 @@ Eigen::Vector3d vertex(std::string_view line, std::size_t number) {
   while (next_word(rest)) ++more;
   if (more == 1) point /= next_number(line);
   if (!point.cast<float>().allFinite())
-    throw MeshFault{fmt::format("has a vertex that is not finite (number {})", number)};
+    throw FormatFault{fmt::format("has a vertex that is not finite (number {})", number)};
   return point;
 }
 
@@ -27,11 +27,11 @@ std::uint32_t corner(std::string_view word, std::size_t vertices_so_far) {
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size())
-    throw MeshFault{
+    throw FormatFault{
         fmt::format("has a face with \"{}\" where a vertex's number is expected", one_line(word))};
   const std::int64_t index = number < 0 ? static_cast<std::int64_t>(vertices_so_far) + number : number - 1;
   if (index < 0 || index > std::numeric_limits<std::uint32_t>::max())
-    throw MeshFault{fmt::format("has a face that names vertex {} of {}", number, vertices_so_far)};
+    throw FormatFault{fmt::format("has a face that names vertex {} of {}", number, vertices_so_far)};
   return static_cast<std::uint32_t>(index);
 }
 
@@ -63,8 +63,8 @@ PolygonMesh read_obj(std::string_view bytes) {
   // A face may stand before its vertices.
   for (const std::uint32_t index : mesh.corners)
     if (index >= mesh.vertices.size())
-      throw MeshFault{fmt::format("has a face that names vertex {} of {}", std::uint64_t{index} + 1,
-                                  mesh.vertices.size())};
+      throw FormatFault{fmt::format("has a face that names vertex {} of {}", std::uint64_t{index} + 1,
+                                    mesh.vertices.size())};
   return mesh;
 }
 

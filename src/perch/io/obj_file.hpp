@@ -7,7 +7,7 @@
 namespace perch {
 
 /// The polygons of a Wavefront OBJ file; materials, normals, points, lines and free-form surfaces are passed
-/// over. Throws MeshFault: a face that names a missing vertex, a vertex that is not finite, a broken line.
+/// over. Throws FormatFault: a face that names a missing vertex, a vertex that is not finite, a broken line.
 /// (Assimp 5.2 crashes on some broken vertex lines.)
 PolygonMesh read_obj(std::string_view bytes);
 

@@ -97,7 +97,7 @@ Mesh joined(const PolygonMesh& polygons, double metres_per_unit) {
     // 0 added: -0 and 0 are one place.
     const Eigen::Vector3f p =
         (polygons.vertices[vertex] * metres_per_unit).cast<float>() + Eigen::Vector3f::Zero();
-    if (mesh.vertices.size() >= unset) throw MeshFault{"has more vertices than can be numbered"};
+    if (mesh.vertices.size() >= unset) throw FormatFault{"has more vertices than can be numbered"};
     const auto [it, fresh] = numbers.try_emplace(p, static_cast<std::uint32_t>(mesh.vertices.size()));
     if (fresh) mesh.vertices.push_back(p);
     return number_of[vertex] = it->second;
@@ -109,7 +109,8 @@ Mesh joined(const PolygonMesh& polygons, double metres_per_unit) {
     begin = end;
     if (corners.size() < 3) continue;
     if (corners.size() > most_corners)
-      throw MeshFault{"has a face of " + std::to_string(corners.size()) + " corners; cut it into triangles"};
+      throw FormatFault{"has a face of " + std::to_string(corners.size()) +
+                        " corners; cut it into triangles"};
     polygon.clear();
     for (const std::uint32_t corner : corners) polygon.push_back(polygons.vertices[corner]);
     for (const auto& t : triangulated(polygon)) {

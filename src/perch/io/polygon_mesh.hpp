@@ -5,17 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
+#include "perch/io/format_fault.hpp"
 #include "perch/model/mesh.hpp"
 
 namespace perch {
-
-/// Thrown by the readers of a mesh format, caught by read_mesh: a clause that says what is wrong.
-struct MeshFault {
-  std::string what;
-};
 
 /// Polygons as a mesh file holds them, in its unit.
 struct PolygonMesh {
@@ -30,7 +25,7 @@ struct PolygonMesh {
 std::vector<std::array<std::uint32_t, 3>> triangulated(std::span<const Eigen::Vector3d> polygon);
 
 /// The surface in metres: polygons cut into triangles, vertices at the same place joined, and left out
-/// whatever is then no triangle (points, lines) and vertices that no triangle names. Throws MeshFault where
+/// whatever is then no triangle (points, lines) and vertices that no triangle names. Throws FormatFault where
 /// there is too much of it.
 Mesh joined(const PolygonMesh& polygons, double metres_per_unit);
 

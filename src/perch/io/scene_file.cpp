@@ -8,6 +8,7 @@
 #include <new>
 
 #include "perch/core/error.hpp"
+#include "perch/io/cloud_depth_file.hpp"
 #include "perch/io/mesh_file.hpp"
 #include "perch/io/message.hpp"
 #include "perch/io/model_names.hpp"
@@ -81,11 +82,29 @@ Camera read_camera(const YamlEntry& entry, bool& pose_given) {
   return camera;
 }
 
+LengthUnit read_unit(const YamlEntry& word) {
+  const auto parsed = parse_length_unit(word.text());
+  if (!parsed) word.fail(fmt::format("{} is no unit; give m or mm", word.value()));
+  return *parsed;
+}
+
+CloudReading read_cloud_reading(const YamlFields& fields, bool has_camera_pose) {
+  CloudReading reading;
+  if (const YamlEntry* unit = fields.optional("cloud_unit")) reading.unit = read_unit(*unit);
+  if (const YamlEntry* frame = fields.optional("cloud_frame")) {
+    const std::string word = frame->text();
+    if (word != "camera" && word != "world")
+      frame->fail(fmt::format("{} is no frame; give camera or world", frame->value()));
+    if (word == "world") reading.frame = CloudFrame::world;
+    if (word == "world" && !has_camera_pose)
+      frame->fail("\"world\" needs the camera's pose; give camera.world_from_camera");
+  }
+  return reading;
+}
+
 void read_observation(const YamlEntry& entry, const fs::path& folder, Scene& scene) {
-  const YamlFields fields =
-      entry.fields({"depth", "depth_scale", "mask", "cloud", "color", "background", "clutter"});
-  if (const YamlEntry* cloud = fields.optional("cloud"))
-    cloud->fail("reading clouds is not built yet; give observation.depth, a 16-bit PNG");
+  const YamlFields fields = entry.fields({"depth", "depth_scale", "mask", "cloud", "cloud_frame",
+                                          "cloud_unit", "color", "background", "clutter"});
   if (const YamlEntry* background = fields.optional("background")) {
     const std::string word = background->text();
     if (word == "table")
@@ -95,16 +114,31 @@ void read_observation(const YamlEntry& entry, const fs::path& folder, Scene& sce
                                    did_you_mean(word, {"removed", "table"})));
   }
   if (const YamlEntry* clutter = fields.optional("clutter")) scene.clutter = clutter->boolean();
-  const YamlEntry& scale = fields.required("depth_scale", "give the metres per count, e.g. 0.001");
-  scene.depth_scale = scale.number("metres per count");
-  if (scene.depth_scale <= 0.0)
-    scale.fail(fmt::format("{} is not > 0; give the metres per count, e.g. 0.001", scale.value()));
+  const YamlEntry* cloud = fields.optional("cloud");
+  if (!cloud) fields.required("depth_scale", "give the metres per count, e.g. 0.001");
+  if (const YamlEntry* scale = fields.optional("depth_scale")) {
+    scene.depth_scale = scale->number("metres per count");
+    if (scene.depth_scale <= 0.0)
+      scale->fail(fmt::format("{} is not > 0; give the metres per count, e.g. 0.001", scale->value()));
+  }
 
   const int width = scene.camera.intrinsics.width, height = scene.camera.intrinsics.height;
-  const YamlEntry& depth = fields.required("depth", "name a 16-bit greyscale PNG");
-  scene.depth =
-      depth_from_counts(at_key(depth, [&] { return read_png16_gray(beside(folder, depth), width, height); }),
-                        scene.depth_scale);
+  if (cloud) {
+    if (const YamlEntry* depth = fields.optional("depth"))
+      depth->fail("stands beside observation.cloud; give one of the two");
+    const CloudReading reading = read_cloud_reading(fields, scene.has_camera_pose);
+    scene.depth = at_key(*cloud, [&] {
+      return read_cloud_depth(beside(folder, *cloud), reading, scene.camera, scene.has_camera_pose);
+    });
+  } else {
+    for (const char* key : {"cloud_frame", "cloud_unit"})
+      if (const YamlEntry* of_cloud = fields.optional(key))
+        of_cloud->fail("there is no observation.cloud; remove it, or name a PCD or PLY file there");
+    const YamlEntry& depth = fields.required("depth", "name a 16-bit greyscale PNG");
+    scene.depth = depth_from_counts(
+        at_key(depth, [&] { return read_png16_gray(beside(folder, depth), width, height); }),
+        scene.depth_scale);
+  }
   if (const YamlEntry* mask = fields.optional("mask"))
     scene.mask = at_key(*mask, [&] { return read_mask(beside(folder, *mask), width, height); });
   if (const YamlEntry* color = fields.optional("color"))
@@ -137,12 +171,11 @@ Symmetry read_symmetry(const YamlEntry& entry) {
   const std::string word = entry.text();
   if (word == "none") return Symmetry::none();
   if (word == "continuous") return Symmetry::continuous();
-  if (word == "auto")
-    entry.fail("\"auto\": finding symmetry is not built yet; give none, continuous or a whole number");
   const bool number = word.find_first_not_of("+-0123456789.eE") == std::string::npos;
   if (number && !entry.is_quoted()) return Symmetry::n_fold(entry.integer(1, 360));
-  entry.fail(
-      fmt::format("{} is no symmetry; give none, continuous or a whole number from 1 to 360", entry.value()));
+  entry.fail(fmt::format(
+      "{} is no symmetry; give none, continuous, a whole number from 1 to 360 or, for a model, auto",
+      entry.value()));
 }
 
 /// Reads each file once, however many models share it.
@@ -206,12 +239,11 @@ std::vector<SceneModel> read_model(const std::string& name, const YamlEntry& ent
   SceneModel model;
   model.name = name;
   LengthUnit unit = LengthUnit::metres;
-  if (const YamlEntry* word = fields.optional("unit")) {
-    const auto parsed = parse_length_unit(word->text());
-    if (!parsed) word->fail(fmt::format("{} is no unit; give m or mm", word->value()));
-    unit = *parsed;
+  if (const YamlEntry* word = fields.optional("unit")) unit = read_unit(*word);
+  if (const YamlEntry* symmetry = fields.optional("symmetry")) {
+    model.find_symmetry = !symmetry->is_quoted() && symmetry->text() == "auto";
+    if (!model.find_symmetry) model.symmetry = read_symmetry(*symmetry);
   }
-  if (const YamlEntry* symmetry = fields.optional("symmetry")) model.symmetry = read_symmetry(*symmetry);
   if (const YamlEntry* base = fields.optional("base")) {
     model.base = base->number("metres above the support plane");
     if (std::abs(model.base) > farthest_base)
@@ -263,8 +295,8 @@ std::vector<TruthPose> read_truth(const YamlEntry& entry, const std::vector<Scen
     const YamlFields fields = item.fields(keys);
     const PlacedModel placed = placed_model(fields, models);
     const YamlEntry* symmetry = fields.optional("symmetry");
-    truth.push_back(
-        {placed.model, placed.pose, symmetry ? read_symmetry(*symmetry) : models[placed.model].symmetry});
+    truth.push_back({placed.model, placed.pose,
+                     symmetry ? read_symmetry(*symmetry) : models[placed.model].symmetry, !symmetry});
   }
   return truth;
 }
@@ -282,7 +314,7 @@ Scene read_checked(const fs::path& scene_file) {
   scene.name = scene_file.stem().string();
   const YamlEntry& camera = fields.required("camera", "give intrinsics and world_from_camera");
   scene.camera = read_camera(camera, scene.has_camera_pose);
-  const YamlEntry& observation = fields.required("observation", "give depth and depth_scale");
+  const YamlEntry& observation = fields.required("observation", "give depth and depth_scale, or cloud");
   const YamlEntry& models = fields.required("models", "give name: {mesh: FILE}");
   const YamlEntry& objects = fields.required("objects", "list the names of the models present");
   if (const YamlEntry* table = fields.optional("table")) scene.table_height = read_table(*table);

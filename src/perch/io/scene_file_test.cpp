@@ -61,6 +61,17 @@ TEST(SceneFile, ReadsEverything) {
   EXPECT_EQ(scene.truth[1].symmetry, Symmetry::continuous()) << "the model's";
 }
 
+TEST(SceneFile, LeavesASymmetryToBeFound) {
+  const TemporaryDirectory dir;
+  write_scene_files(dir);
+  const Scene scene =
+      read_scene(dir.write("scene.yaml", replaced(scene_text, "symmetry: continuous", "symmetry: auto")));
+  EXPECT_FALSE(scene.models.at(0).find_symmetry);
+  EXPECT_TRUE(scene.models.at(1).find_symmetry);
+  EXPECT_FALSE(scene.truth.at(0).has_models_symmetry) << "it has its own";
+  EXPECT_TRUE(scene.truth.at(1).has_models_symmetry);
+}
+
 const std::string json_text = R"({"version": 1, "camera": {
 	"intrinsics": {"width":8,"height":6,"fx":5.25e2,"fy":525,"cx":3.5,"cy":2.5},
 	"world_from_camera": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]},

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "perch/io/mesh_text.hpp"
+#include "perch/io/text_values.hpp"
 
 namespace perch {
 namespace {
@@ -13,14 +13,14 @@ constexpr std::size_t header_bytes = 84, triangle_bytes = 50;
 
 void add_vertex(const Eigen::Vector3d& point, PolygonMesh& mesh) {
   if (!point.cast<float>().allFinite())
-    throw MeshFault{fmt::format("has a vertex that is not finite (number {})", mesh.vertices.size())};
+    throw FormatFault{fmt::format("has a vertex that is not finite (number {})", mesh.vertices.size())};
   mesh.corners.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
   mesh.vertices.push_back(point);
 }
 
 void end_facet(PolygonMesh& mesh) {
   mesh.ends.push_back(mesh.corners.size());
-  if (mesh.corners.size() != 3 * mesh.ends.size()) throw MeshFault{"has a facet without three vertices"};
+  if (mesh.corners.size() != 3 * mesh.ends.size()) throw FormatFault{"has a facet without three vertices"};
 }
 
 std::uint32_t little_endian(std::string_view bytes) {
@@ -31,15 +31,15 @@ std::uint32_t little_endian(std::string_view bytes) {
 
 PolygonMesh read_binary(std::string_view bytes) {
   if (bytes.size() < header_bytes)
-    throw MeshFault{"is truncated or no STL: it has fewer bytes than a header"};
+    throw FormatFault{"is truncated or no STL: it has fewer bytes than a header"};
   const std::uint64_t triangles = little_endian(bytes.substr(80));
   const std::uint64_t promised = header_bytes + triangle_bytes * triangles;
   if (promised > bytes.size())
-    throw MeshFault{
+    throw FormatFault{
         fmt::format("is truncated or no STL: its header promises {} triangles, {} bytes; it has {}",
                     triangles, promised, bytes.size())};
   if (promised < bytes.size())
-    throw MeshFault{
+    throw FormatFault{
         fmt::format("has {} bytes more than its {} triangles take", bytes.size() - promised, triangles)};
   PolygonMesh mesh;
   for (std::uint64_t t = 0; t < triangles; ++t) {
@@ -73,11 +73,11 @@ PolygonMesh read_ascii(std::string_view bytes) {
     } else if (word == "endsolid") {
       ended = true;
     } else if (word != "" && word != "solid" && word != "facet" && word != "outer" && word != "endloop") {
-      throw MeshFault{fmt::format("has a line with \"{}\"", one_line(word))};
+      throw FormatFault{fmt::format("has a line with \"{}\"", one_line(word))};
     }
   }
-  if (!ended) throw MeshFault{"is truncated: it has no \"endsolid\""};
-  if (mesh.corners.size() != 3 * mesh.ends.size()) throw MeshFault{"has a facet without its \"endfacet\""};
+  if (!ended) throw FormatFault{"is truncated: it has no \"endsolid\""};
+  if (mesh.corners.size() != 3 * mesh.ends.size()) throw FormatFault{"has a facet without its \"endfacet\""};
   return mesh;
 }
 

@@ -6,7 +6,7 @@
 
 namespace perch {
 
-/// The triangles of an STL file, ASCII or binary. Throws MeshFault: a file that is incomplete or holds more
+/// The triangles of an STL file, ASCII or binary. Throws FormatFault: a file that is incomplete or holds more
 /// than its header says, a facet without three vertices, a vertex that is not finite. (Assimp 5.2 takes some
 /// broken facets for whole and leaks on others.)
 PolygonMesh read_stl(std::string_view bytes);

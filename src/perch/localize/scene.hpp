@@ -23,6 +23,7 @@ struct SceneModel {
   Mesh mesh;                             ///< metres, stood on z = 0
   Symmetry symmetry = Symmetry::none();  ///< of the mesh as it stands
   double base = 0.0;                     ///< height of the lowest point above the support plane, metres
+  bool find_symmetry = false;            ///< `symmetry` is still to be found, by prepare()
   int rest_pose = 0;                     ///< which of the model's bodies this is, from 0
   /// Maps the model's own frame (lowest point at z = 0, x and y as in the file) to the one in which `mesh`
   /// stands.
@@ -68,6 +69,7 @@ struct TruthPose {
   std::size_t model = 0;
   Pose pose;
   Symmetry symmetry = Symmetry::none();
+  bool has_models_symmetry = false;  ///< `symmetry` is its model's, also where that is still to be found
 };
 
 /// What of the depth image belongs to no object of interest.

@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "perch/io/format_fault.hpp"
 #include "perch/io/message.hpp"
-#include "perch/io/polygon_mesh.hpp"
 
 namespace perch {
 
@@ -48,13 +48,13 @@ inline std::optional<std::string_view> next_word(std::string_view& line) {
 /// Takes the next word off the front of a line as a number; not finite where it is beyond double.
 inline double next_number(std::string_view& line) {
   const auto word = next_word(line);
-  if (!word) throw MeshFault{"has a line with too few values"};
+  if (!word) throw FormatFault{"has a line with too few values"};
   std::string_view text = *word;
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size() || error == std::errc::invalid_argument)
-    throw MeshFault{fmt::format("has \"{}\" where a number is expected", one_line(*word))};
+    throw FormatFault{fmt::format("has \"{}\" where a number is expected", one_line(*word))};
   if (error != std::errc{})  // too large, or so small that it is zero
     return text.find("e-") == std::string_view::npos && text.find("E-") == std::string_view::npos
                ? std::numeric_limits<double>::infinity()
