@@ -13,6 +13,7 @@
 #include "perch/core/stopwatch.hpp"
 #include "perch/localize/localize.hpp"
 #include "perch/localize/setup.hpp"
+#include "perch/localize/symmetry_search.hpp"
 #include "perch/observation/extent.hpp"
 
 namespace perch::app {
@@ -229,7 +230,9 @@ class Inspector {
     facts.origin = -box.center().head<2>() + Eigen::Vector2d::Zero();
     facts.triangles = model.mesh.triangles.size();
     facts.closed = is_closed(model.mesh);
-    facts.stated = facts.found = model.symmetry;
+    facts.stated = model.symmetry;
+    const FoundSymmetry symmetry = find_symmetry(model.mesh, settings_.candidates.cost.delta);
+    facts.found = symmetry.symmetry;
     const std::string key = "models." + model.name;
     const Eigen::Vector2d reach = 0.5 * box.sizes().head<2>();
     if ((facts.origin.cwiseAbs() - reach).maxCoeff() > 0.0)
@@ -238,6 +241,14 @@ class Inspector {
            "poses then refer to a point outside; move the mesh over its origin");
     if (!facts.closed)
       warn(key + ".mesh", "is not watertight", "collisions with it can't be seen; close its holes");
+    if (symmetry.better_axis && symmetry.better_axis->at.norm() > settings_.candidates.cost.delta)
+      warn(key + ".mesh",
+           fmt::format("has its origin {:.1f} mm off an axis of symmetry ({})",
+                       1000 * symmetry.better_axis->at.norm(), symmetry.better_axis->symmetry.name()),
+           "move the mesh so that the axis is its z axis, and set symmetry: auto");
+    if (facts.found.is_continuous() && !facts.stated.is_continuous())
+      warn(key + ".symmetry", fmt::format("is {}, but all sides look the same", facts.stated.name()),
+           "set symmetry: continuous, or auto: one yaw is enough then");
     std::vector<double> sides{facts.size.x(), facts.size.y(), facts.size.z()};
     std::sort(sides.begin(), sides.end());
     if (found_.depth.largest_blob > 0.0 && !camera_is_off() && sides[1] > 1.2 * found_.depth.largest_blob)

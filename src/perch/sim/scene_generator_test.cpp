@@ -45,7 +45,7 @@ TEST(SceneGenerator, ObjectsStandApartInViewAndInTheWorkspace) {
     ASSERT_EQ(simulated.visible_fractions.size(), scene.objects.size());
     Rasterizer rasterizer(scene.camera.intrinsics);
     for (std::size_t i = 0; i < scene.truth.size(); ++i) {
-      const auto& [model, pose, symmetry] = scene.truth[i];
+      const auto& [model, pose, symmetry, has_models_symmetry] = scene.truth[i];
       EXPECT_EQ(model, scene.objects[i].model);
       EXPECT_EQ(symmetry, scene.models[model].symmetry);
       EXPECT_GE(pose.x, scene.workspace->x_min);
@@ -91,7 +91,7 @@ TEST(SceneGenerator, WithoutNoiseItIsTheRendering) {
   Image<int> owner(160, 120, -1);
   std::vector<double> alone, visible(scene.truth.size(), 0.0);
   for (std::size_t i = 0; i < scene.truth.size(); ++i) {
-    const auto& [model, pose, symmetry] = scene.truth[i];
+    const auto& [model, pose, symmetry, has_models_symmetry] = scene.truth[i];
     const DepthPatch patch =
         rasterizer.render(scene.models[model].mesh, camera_from_world * world_from_model(pose, 0));
     alone.push_back(static_cast<double>(patch.covered()));
