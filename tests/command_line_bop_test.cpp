@@ -106,22 +106,15 @@ class BopSet : public ::testing::Test {
   Json json(const fs::path& file) const { return Json::parse(bytes_of(folder() / file)); }
 
   void simulate(const Arguments& more = {}) const {
-    Arguments arguments{"simulate",  "--bop",
-                        "-o",        "set",
-                        "--scenes",  "2",
-                        "--objects", "2",
-                        "--models",  "can,jug,tea_box",
-                        "--image",   "200x150",
-                        "--visible", "0.7-1",
-                        "--sensor",  "time-of-flight",
-                        "--seed",    "5"};
+    Arguments arguments{
+        "simulate", "--bop",           "-o",      "set",     "--scenes",  "2",     "--objects", "2",
+        "--models", "can,jug,tea_box", "--image", "200x150", "--visible", "0.7-1", "--seed",    "5"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = run(arguments);
     ASSERT_EQ(outcome.status, 0) << outcome;
   }
   Outcome localize(const Arguments& more) const {
-    Arguments arguments{"localize",     "--bop", "set", "--masks", "--camera-pose",
-                        "--resolution", "0.06",  "--w", "1"};
+    Arguments arguments{"localize", "--bop", "set", "--resolution", "0.06", "--w", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
   }
