@@ -116,6 +116,44 @@ TEST_F(Inspect, MeshesBesideTheirOriginOrWithHoles) {
   warns(yaml, {"models.mug.mesh", "not watertight"});
 }
 
+TEST_F(Inspect, SymmetryThatIsNotStatedOrIsAboutAnotherAxis) {
+  const std::string wrong = replaced(yaml, "symmetry: continuous", "symmetry: none");
+  warns(wrong, {"models.can.symmetry", "all sides look the same", "continuous, or auto"});
+  Mesh can;
+  for (const SceneModel& model : scene.scene.models)
+    if (model.name == "can") can = model.mesh;
+  for (Eigen::Vector3f& p : can.vertices) p.x() += 0.02F;
+  write(folder() / "models/can.ply", encode_ply(can));
+  warns(yaml, {"models.can.mesh", "mm off an axis of symmetry (continuous)", "symmetry: auto"});
+}
+
+TEST_F(Inspect, DepthThatCantBeHeldAgainstAnything) {
+  // Neither workspace nor table height: only what cameras can see at all is known.
+  std::string text = with_line(with_line(yaml, "workspace:", ""), "table:", "");
+  const double scale = scene.scene.depth_scale;
+  warns(with_line(text, "depth_scale:", fmt::format("  depth_scale: {}", scale * 0.01)),
+        {"observation.depth_scale", "nearer than", "millimetres are 0.001"});
+  const Outcome far =
+      inspect(with_line(text, "depth_scale:", fmt::format("  depth_scale: {}", scale * 1000)));
+  EXPECT_EQ(far.status, 1) << far;
+  EXPECT_THAT(far.out, AllOf(HasSubstr("WARNING: observation.depth_scale puts half of the readings beyond"),
+                             HasSubstr("coarser than half of delta")));
+}
+
+TEST_F(Inspect, HardlyAnyPoints) {
+  const Scene& s = scene.scene;
+  Image<std::uint8_t> mask(s.depth.width(), s.depth.height(), 0);
+  int left = 60;
+  for (std::size_t i = 0; i < mask.size() && left > 0; ++i)
+    if (s.depth[i] > 0.0F) {
+      mask[i] = 255;
+      --left;
+    }
+  write(folder() / "mask.png", encode_png8_gray(mask));
+  EXPECT_THAT(inspect(replaced(yaml, "  depth_scale:", "  mask: mask.png\n  depth_scale:")).out,
+              HasSubstr("WARNING: observation leaves 60 points of the objects"));
+}
+
 TEST_F(Inspect, InvertedMask) {
   const Scene& s = scene.scene;
   Image<std::uint8_t> mask(s.depth.width(), s.depth.height(), 0);
