@@ -133,20 +133,48 @@ class PlaneFinder {
     }
     double squared = 0.0;
     plane.readings = 0;
-    plane.area = 0.0;
-    for_each_reading([&](int, int, const Eigen::Vector3d& p) {
+    Image<std::uint8_t> on_it(depth_.width(), depth_.height(), 0);
+    for_each_reading([&](int u, int v, const Eigen::Vector3d& p) {
       const double off = plane.above(p);
       if (std::abs(off) > plane_tolerance(p.z())) return;
       ++plane.readings;
       squared += off * off;
-      // What a pixel shows of a plane: z^2 / (fx fy) over the cosine, for a ray of length 1 along z.
-      plane.area +=
-          std::pow(p.z(), 3) / (intrinsics_.fx * intrinsics_.fy * std::max(1e-3, -plane.normal.dot(p)));
+      on_it(u, v) = 1;
     });
     if (plane.readings > 0) plane.rms = std::sqrt(squared / static_cast<double>(plane.readings));
     plane.share =
         static_cast<double>(plane.readings) / static_cast<double>(std::max<std::int64_t>(1, readings_));
+    plane.area = largest_part(plane, on_it);
     return middle;
+  }
+
+  /// What the largest connected part of a plane's pixels shows of it, square metres. Planes that cut across
+  /// several objects are made of many small parts.
+  double largest_part(const SupportPlane& plane, Image<std::uint8_t>& left) const {
+    double largest = 0.0;
+    std::vector<std::pair<int, int>> part;
+    for (int v0 = 0; v0 < left.height(); ++v0)
+      for (int u0 = 0; u0 < left.width(); ++u0) {
+        if (!left(u0, v0)) continue;
+        part.assign(1, {u0, v0});
+        left(u0, v0) = 0;
+        double area = 0.0;
+        while (!part.empty()) {
+          const auto [u, v] = part.back();
+          part.pop_back();
+          const Eigen::Vector3d p = rays_.point(u, v, depth_(u, v)).cast<double>();
+          // What a pixel shows of a plane: z^2 / (fx fy) over the cosine, for a ray of length 1 along z.
+          area +=
+              std::pow(p.z(), 3) / (intrinsics_.fx * intrinsics_.fy * std::max(1e-3, -plane.normal.dot(p)));
+          for (const auto& [du, dv] : {std::pair(1, 0), {-1, 0}, {0, 1}, {0, -1}})
+            if (left.contains(u + du, v + dv) && left(u + du, v + dv)) {
+              left(u + du, v + dv) = 0;
+              part.emplace_back(u + du, v + dv);
+            }
+        }
+        largest = std::max(largest, area);
+      }
+    return largest;
   }
 
   /// Its readings are no other plane's.

@@ -16,7 +16,7 @@ struct SupportPlane {
   std::int64_t readings = 0;                           ///< that lie on it
   double share = 0.0;                                  ///< of all readings
   double rms = 0.0;                                    ///< distance of these from it, metres
-  double area = 0.0;                                   ///< that they show of it, square metres
+  double area = 0.0;  ///< of its largest connected part that is seen, square metres
 
   /// How far a point lies above it, metres.
   double above(const Eigen::Vector3d& p) const { return normal.dot(p) + distance; }
