@@ -19,8 +19,11 @@ constexpr double standing_height = 0.012;  // metres above a plane from which so
 constexpr double tallest = 0.6;            // metres; higher things are walls and other tables
 constexpr double cell = 0.02;              // metres, of the map of what a plane shows
 constexpr double same_direction = 0.966,
-                 same_height = 0.03;  // cosine of 15 degrees; metres: one uneven surface
-constexpr int least_standing = 40;    // cells on which something stands
+                 same_height = 0.03;        // cosine of 15 degrees; metres: one uneven surface
+constexpr double table_above_floor = 0.25;  // metres; what is nearer may be the top of a box on the table
+constexpr double table_over_floor = 0.12,
+                 top_over_table = 0.5;  // readings of the higher plane over those below
+constexpr int least_standing = 40;      // cells on which something stands
 
 /// A thinned depth image.
 std::vector<Eigen::Vector3d> thinned(const DepthImage& depth, const Intrinsics& intrinsics) {
@@ -65,13 +68,18 @@ class PlaneFinder {
     }
     std::erase_if(found, [&](const SupportPlane& plane) { return plane.area < search_.least_area; });
     if (found.empty()) return std::nullopt;
-    // The highest that carries something; where none does, the one that shows most.
+    // From the one with most readings up to higher ones: the table above the floor, but not the top of a box
+    // on the table.
     std::sort(found.begin(), found.end(),
-              [](const SupportPlane& a, const SupportPlane& b) { return a.distance < b.distance; });
-    for (const SupportPlane& plane : found)
-      if (carries_something(plane)) return plane;
-    return *std::max_element(found.begin(), found.end(),
-                             [](const SupportPlane& a, const SupportPlane& b) { return a.area < b.area; });
+              [](const SupportPlane& a, const SupportPlane& b) { return a.readings > b.readings; });
+    const SupportPlane* best = &found.front();
+    for (const SupportPlane& plane : found) {
+      const double higher = best->distance - plane.distance;
+      const double ratio = static_cast<double>(plane.readings) / static_cast<double>(best->readings);
+      const bool large = ratio >= (higher >= table_above_floor ? table_over_floor : top_over_table);
+      if (higher > 0.0 && large && carries_something(plane)) best = &plane;
+    }
+    return *best;
   }
 
  private:

@@ -37,10 +37,10 @@ struct PlaneSearch {
   double least_area = 0.03;
 };
 
-/// The plane that carries what is seen: of the larger planes seen from above the highest on which something
-/// stands. Found by RANSAC (Fischler and Bolles, 1981) over a thinned depth image, one plane after the other,
-/// and fitted to all readings near it by least squares with Tukey's weights. Deterministic. Empty where there
-/// is none.
+/// The plane that carries what is seen: of the planes seen from above the one with most readings, or a higher
+/// one on which something stands, where that is large and, as a table over the floor, well above. Found by
+/// RANSAC (Fischler and Bolles, 1981) over a thinned depth image, one plane after the other, and fitted to
+/// all readings near it by least squares with Tukey's weights. Deterministic. Empty where there is none.
 std::optional<SupportPlane> find_support_plane(const DepthImage& depth, const Intrinsics& intrinsics,
                                                const PlaneSearch& search);
 
