@@ -13,15 +13,16 @@ namespace perch {
 namespace {
 
 constexpr int samples_wanted = 6000, trials = 400, planes_looked_for = 6, refits = 8;
-constexpr double least_share = 0.02;       // of the readings; what is smaller is no plane to stand on
-constexpr double least_up = 0.15;          // of a normal's part along the image's up
+constexpr double least_share = 0.02;  // of the readings; what is smaller is no plane to stand on
+constexpr double least_up = 0.15;     // of a normal's part along the image's up
+constexpr double least_facing = 0.8;  // towards the camera, of one seen from far above, which may be rolled
 constexpr double standing_height = 0.012;  // metres above a plane from which something stands on it
 constexpr double tallest = 0.6;            // metres; higher things are walls and other tables
 constexpr double cell = 0.02;              // metres, of the map of what a plane shows
 constexpr double same_direction = 0.966,
                  same_height = 0.03;        // cosine of 15 degrees; metres: one uneven surface
 constexpr double table_above_floor = 0.25;  // metres; what is nearer may be the top of a box on the table
-constexpr double table_over_floor = 0.12,
+constexpr double table_over_floor = 0.05,
                  top_over_table = 0.5;  // readings of the higher plane over those below
 constexpr int least_standing = 40;      // cells on which something stands
 
@@ -67,6 +68,10 @@ class PlaneFinder {
       if (allowed(plane->normal) && plane->share >= least_share && apart) found.push_back(*plane);
     }
     std::erase_if(found, [&](const SupportPlane& plane) { return plane.area < search_.least_area; });
+    // A wall faces the camera too: only where nothing points up in the image may up be elsewhere.
+    if (!search_.up &&
+        std::any_of(found.begin(), found.end(), [](const auto& p) { return points_up(p.normal); }))
+      std::erase_if(found, [](const SupportPlane& plane) { return !points_up(plane.normal); });
     if (found.empty()) return std::nullopt;
     // From the one with most readings up to higher ones: the table above the floor, but not the top of a box
     // on the table.
@@ -85,8 +90,10 @@ class PlaneFinder {
  private:
   bool allowed(const Eigen::Vector3d& normal) const {
     if (search_.up) return normal.dot(*search_.up) >= std::cos(search_.most_tilt);
-    return -normal.y() >= least_up || -normal.z() >= std::cos(0.2);  // or seen from right above
+    return points_up(normal) || -normal.z() >= least_facing;
   }
+
+  static bool points_up(const Eigen::Vector3d& normal) { return -normal.y() >= least_up; }
 
   /// The plane through three samples that most others lie on.
   std::optional<SupportPlane> dominant(const std::vector<Eigen::Vector3d>& points) {

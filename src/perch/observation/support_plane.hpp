@@ -30,7 +30,8 @@ double plane_tolerance(double depth);
 struct PlaneSearch {
   std::uint64_t seed = 1;
   /// Which way is up, camera frame, unit, and by how much at most the plane may be tilted against it,
-  /// radians. Without it any plane seen from above will do: one whose normal points up in the image.
+  /// radians. Without it any plane seen from above will do: one whose normal points up in the
+  /// image or, where there is none, towards the camera.
   std::optional<Eigen::Vector3d> up;
   double most_tilt = 0.14;
   /// Smaller planes are the tops of objects, square metres.
