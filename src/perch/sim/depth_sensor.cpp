@@ -11,6 +11,7 @@
 
 #include "perch/core/error.hpp"
 #include "perch/core/random.hpp"
+#include "perch/sim/dark_patches.hpp"
 
 namespace perch {
 namespace {
@@ -187,6 +188,9 @@ void DepthSensorSettings::check() const {
   at_least_zero("depth_noise", depth_noise);
   at_least_zero("amplitude_noise", amplitude_noise);
   require(flying_pixels >= 0.0 && flying_pixels <= 1.0, "flying_pixels", flying_pixels, "in [0, 1]");
+  require(dark_patches >= 0.0 && dark_patches <= 1.0, "dark_patches", dark_patches, "in [0, 1]");
+  require(std::isfinite(dark_patch_size) && dark_patch_size > 0.0, "dark_patch_size", dark_patch_size,
+          "finite and > 0 (metres)");
   at_least_zero("surface_gap", surface_gap);
   at_least_zero("nearest", nearest);
   require(farthest > nearest, "farthest", farthest, "greater than sensor.nearest (metres)");
@@ -194,11 +198,12 @@ void DepthSensorSettings::check() const {
 
 DepthImage sense_depth(const DepthImage& ideal, const Intrinsics& intrinsics,
                        const DepthSensorSettings& settings, std::uint64_t seed) {
-  return sense(ideal, intrinsics, settings, seed).depth;
+  return sense(ideal, intrinsics, settings, seed, Image<std::uint16_t>(ideal.width(), ideal.height(), 1))
+      .depth;
 }
 
 SensedDepth sense(const DepthImage& ideal, const Intrinsics& intrinsics, const DepthSensorSettings& s,
-                  std::uint64_t seed) {
+                  std::uint64_t seed, const Image<std::uint16_t>& may_be_dark) {
   intrinsics.check();
   s.check();
   if (ideal.width() != intrinsics.width || ideal.height() != intrinsics.height)
@@ -213,6 +218,9 @@ SensedDepth sense(const DepthImage& ideal, const Intrinsics& intrinsics, const D
         if (ideal(u, v) > 0.0F && row.shadowed(u)) lit(u, v) = 0.0F;
     }
 
+  // Apart, so that it reshuffles none of the others.
+  const Image<std::uint8_t> dark = dark_patches(ideal, intrinsics, may_be_dark, s.dark_patches,
+                                                s.dark_patch_size, seed ^ 0x6461726b00000000ULL);
   const RaySlopes rays(intrinsics);
   const double focal_baseline = s.focal_length.value_or(intrinsics.fx) * std::abs(s.baseline);
   const bool through_disparity = s.disparity_noise > 0.0 || s.disparity_step > 0.0;
@@ -240,7 +248,7 @@ SensedDepth sense(const DepthImage& ideal, const Intrinsics& intrinsics, const D
           ideal.contains(ju, jv) && !connected(ideal(u, v), ideal(ju, jv), s.surface_gap);
       const int su = looks_aside ? ju : u, sv = looks_aside ? jv : v;
       float z = lit(su, sv);
-      if (z <= 0.0F || dropout_draw < s.dropout_rate) continue;
+      if (z <= 0.0F || dropout_draw < s.dropout_rate || dark(su, sv) != 0) continue;
       const bool asks_angle = s.grazing_start < no_grazing || s.amplitude_noise > 0.0;
       const double cosine = asks_angle ? std::min(1.0, facing(ideal, rays, su, sv, s.surface_gap)) : 1.0;
       if (s.grazing_start < no_grazing) {

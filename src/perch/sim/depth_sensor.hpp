@@ -59,6 +59,11 @@ struct DepthSensorSettings {
   /// weighted by the light that comes back from each.
   double flying_pixels = 0.0;
 
+  /// The share of what is seen of surfaces that is too dark or too shiny to be read, in [0, 1], in patches of
+  /// about this size, metres: see sim/dark_patches.hpp. Ours.
+  double dark_patches = 0.0;
+  double dark_patch_size = 0.05;
+
   /// The first Kinect: the defaults.
   static DepthSensorSettings kinect() { return {}; }
   /// A sensor that changes nothing.
@@ -100,8 +105,8 @@ struct SensedDepth {
   Image<std::uint32_t> source;
 };
 
-/// As sense_depth.
+/// As sense_depth. \param may_be_dark not 0 where dark patches may be.
 SensedDepth sense(const DepthImage& ideal, const Intrinsics& intrinsics, const DepthSensorSettings& settings,
-                  std::uint64_t seed);
+                  std::uint64_t seed, const Image<std::uint16_t>& may_be_dark);
 
 }  // namespace perch

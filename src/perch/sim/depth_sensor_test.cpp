@@ -290,7 +290,7 @@ TEST(DepthSensor, SaysWhereAReadingWasMade) {
   DepthSensorSettings s = DepthSensorSettings::clean();
   s.edge_jitter = 0.8;
   const DepthImage ideal = screen_and_wall(0.8F, 1.2F);
-  const SensedDepth read = sense(ideal, camera, s, 4);
+  const SensedDepth read = sense(ideal, camera, s, 4, Image<std::uint16_t>(camera.width, camera.height, 1));
   int elsewhere = 0;
   for (std::size_t i = 0; i < ideal.size(); ++i) {
     EXPECT_EQ(read.depth[i], ideal[read.source[i]]);
@@ -309,6 +309,55 @@ TEST(DepthSensor, ShortBaselinesAreNoisierInDepth) {
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(read.size())), 0.81 * 0.08 / (424 * 0.05), 2e-4);
 }
 
+/// A wall at 1 m with dark patches, seen by a thinned image.
+struct DarkWall {
+  double share = 0.0;     ///< without a reading
+  double mean_run = 0.0;  ///< of pixels without one along the rows, metres
+  Image<std::uint8_t> dark;
+};
+
+DarkWall dark_wall(double share, double size, std::uint64_t seed) {
+  const Intrinsics thinned{200, 150, 164, 164, 99.5, 74.5};
+  DepthSensorSettings s = DepthSensorSettings::clean();
+  s.dark_patches = share;
+  s.dark_patch_size = size;
+  const DepthImage read = sense_depth(DepthImage(200, 150, 1.0F), thinned, s, seed);
+  DarkWall out{0.0, 0.0, Image<std::uint8_t>(200, 150, 0)};
+  double pixels = 0, runs = 0;
+  for (int v = 0; v < read.height(); ++v)
+    for (int u = 0; u < read.width(); ++u) {
+      out.dark(u, v) = read(u, v) == 0.0F;
+      pixels += out.dark(u, v);
+      runs += out.dark(u, v) != 0 && (u == 0 || out.dark(u - 1, v) == 0);
+    }
+  out.share = pixels / static_cast<double>(read.size());
+  out.mean_run = pixels / runs / thinned.fx;
+  return out;
+}
+
+TEST(DepthSensor, DarkPatchesHaveTheirShareAndLieWithinThoseOfALargerOne) {
+  const DarkWall few = dark_wall(0.1, 0.05, 3), many = dark_wall(0.4, 0.05, 3);
+  EXPECT_NEAR(few.share, 0.1, 2e-5);
+  EXPECT_NEAR(many.share, 0.4, 2e-5);
+  for (std::size_t i = 0; i < few.dark.size(); ++i) EXPECT_LE(few.dark[i], many.dark[i]);
+  EXPECT_NE(dark_wall(0.4, 0.05, 4).dark, many.dark);
+  EXPECT_EQ(dark_wall(0.0, 0.05, 3).share, 0.0);
+  EXPECT_EQ(dark_wall(1.0, 0.05, 3).share, 1.0);
+}
+
+TEST(DepthSensor, DarkPatchesHaveTheirSize) {
+  // Rice's formula: a line is in dark for 2 pi l p exp(t^2 / 2) at a time, where the share p of a standard
+  // normal field lies above t; the size is pi l.
+  for (const double size : {0.06, 0.09})
+    for (const auto& [share, threshold] : {std::pair(0.5, 0.0), {0.2, 0.8416}}) {
+      double mean = 0.0;
+      constexpr int seeds = 6;
+      for (std::uint64_t seed = 1; seed <= seeds; ++seed)
+        mean += dark_wall(share, size, seed).mean_run / seeds;
+      EXPECT_NEAR(mean / (2 * size * share * std::exp(0.5 * threshold * threshold)), 1.0, 0.15);
+    }
+}
+
 TEST(DepthSensor, RefusesWhatMakesNoSense) {
   const auto refused = [](auto change) {
     DepthSensorSettings s;
@@ -323,6 +372,8 @@ TEST(DepthSensor, RefusesWhatMakesNoSense) {
   refused([](auto& s) { s.disparity_offset = std::nan(""); });
   refused([](auto& s) { s.edge_jitter = -1; });
   refused([](auto& s) { s.dropout_rate = 1.1; });
+  refused([](auto& s) { s.dark_patches = 1.01; });
+  refused([](auto& s) { s.dark_patch_size = 0; });
   refused([](auto& s) { s.grazing_start = 2; });
   refused([](auto& s) { s.grazing_end = 0.1; });
   refused([](auto& s) { s.surface_gap = -1; });

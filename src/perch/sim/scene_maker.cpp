@@ -163,7 +163,7 @@ MadeScene SceneMaker::sensed(const SceneLayout& layout, const RenderedLayout& re
                              std::uint64_t noise_seed) const {
   DepthImage ideal = rendered.depth;
   add_table(ideal, layout.camera, layout.workspace);
-  SensedDepth read = sense(ideal, layout.camera.intrinsics, recipe_.sensor, noise_seed);
+  SensedDepth read = sense(ideal, layout.camera.intrinsics, recipe_.sensor, noise_seed, rendered.objects);
 
   MadeScene made;
   made.visible = rendered.visible;

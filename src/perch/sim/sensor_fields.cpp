@@ -80,6 +80,9 @@ std::vector<SensorField> make_sensor_fields() {
              &S::amplitude_noise),
       number("sensor.flying_pixels", "share of pixels at jumps of depth that mix the two, 0 to 1",
              &S::flying_pixels),
+      number("sensor.dark_patches", "share of the objects' surface that can't be read, in patches, 0 to 1",
+             &S::dark_patches),
+      number("sensor.dark_patch_size", "their size, metres", &S::dark_patch_size),
   };
 }
 
