@@ -117,7 +117,6 @@ class Inspector {
         executor_(executor) {}
 
   Inspection run() {
-    if (!fault_.empty()) warn("", fault_, "");
     found_.depth = depth_facts(raw_, scene_);
     find_plane();
     if (auto warning = check_camera(raw_, found_.plane)) found_.warnings.push_back(std::move(*warning));
@@ -126,6 +125,8 @@ class Inspector {
     check_table();
     for (std::size_t i = 0; i < scene_.models.size(); ++i) inspect_model(i);
     count_poses();
+    // Only where nothing tells why.
+    if (!fault_.empty() && found_.warnings.empty()) warn("", fault_, "");
     return std::move(found_);
   }
 
@@ -138,8 +139,11 @@ class Inspector {
     // Where the background was removed from the depth image itself, no plane can be trusted to be the table.
     if (scene_.support)
       found_.plane = scene_.support->plane;
-    else if (raw_.background == Background::table || raw_.mask)
-      found_.plane = find_support_plane(raw_.depth, raw_.camera.intrinsics, {});
+    else if (raw_.background == Background::table || raw_.mask) {
+      PlaneSearch search;
+      search.least_area = 1e-6;  // the scale may be wrong
+      found_.plane = find_support_plane(raw_.depth, raw_.camera.intrinsics, search);
+    }
     if (is_ready_) found_.table_height = table_height(scene_);
     if (!found_.plane || !scene_.has_camera_pose) return;
     const Eigen::Vector3d up = scene_.camera.world_from_camera.linear() * found_.plane->normal;
@@ -183,7 +187,7 @@ class Inspector {
   void check_delta() {
     constexpr double scatter = 0.4;  // of delta: what lies farther off is no longer explained
     const double delta = settings_.candidates.cost.delta;
-    if (found_.plane && found_.plane->rms > scatter * delta)
+    if (found_.plane && !camera_is_off() && found_.plane->rms > scatter * delta)
       warn("delta",
            fmt::format("is {:g} m, but the readings of the table scatter by {:.1f} mm (rms)", delta,
                        1000 * found_.plane->rms),

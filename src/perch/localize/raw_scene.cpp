@@ -149,6 +149,11 @@ Scene without_table(Scene scene, const PlaneSettings& settings) {
     if (labels[i] == RawLabel::unknown || (labels[i] == RawLabel::foreground && !scene.clutter))
       scene.depth[i] = 0.0F;
   }
+  if (std::none_of(mask.data().begin(), mask.data().end(), [](std::uint8_t m) { return m != 0; }))
+    throw InputError(
+        "observation.background: nothing stands on the support plane within reach of the models; check "
+        "workspace, "
+        "observation.depth_scale and camera.world_from_camera");
   scene.mask = std::move(mask);
   scene.background = Background::removed;
   scene.support = support;
