@@ -14,7 +14,9 @@ namespace perch::app {
 namespace {
 
 constexpr double tilt_scale = 0.1, height_scale = 0.04;  // radians, metres: what a good pose stays well below
-constexpr double above_plane = 0.02;                     // metres; nearer readings are the plane's
+constexpr double above_plane = 0.02;  // metres; what objects may stand out over their reach
+constexpr double above_plane_share =
+    0.025;  // of the plane's distance, so at any scale; nearer readings are its
 constexpr double good_fit = 0.5, poor_fit = 0.3, better_by = 2.0;
 
 /// A mistake that would explain what is seen: the camera pose or the depth as they should have been.
@@ -87,7 +89,7 @@ class CameraJudge {
         const float z = scene.depth(u, v);
         if (!(z > 0.0F) || (scene.mask && (*scene.mask)(u, v) == 0)) continue;
         const Eigen::Vector3d p = rays.point(u, v, z).cast<double>();
-        if (!plane || plane->normal.dot(p) + plane->distance > above_plane) points_.push_back(p);
+        if (!plane || plane->above(p) > above_plane_share * plane->distance) points_.push_back(p);
       }
   }
 

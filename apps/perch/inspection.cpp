@@ -118,15 +118,17 @@ class Inspector {
 
   Inspection run() {
     found_.depth = depth_facts(raw_, scene_);
+    // Without points there is nothing to search.
+    is_ready_ = is_ready_ && found_.depth.points > 0;
     find_plane();
     if (auto warning = check_camera(raw_, found_.plane)) found_.warnings.push_back(std::move(*warning));
+    // What a wrong camera pose leads to is no warning of its own.
+    if (!fault_.empty() && !camera_is_off()) warn("", fault_, "");
     check_depth();
     check_delta();
     check_table();
     for (std::size_t i = 0; i < scene_.models.size(); ++i) inspect_model(i);
     count_poses();
-    // Only where nothing tells why.
-    if (!fault_.empty() && found_.warnings.empty()) warn("", fault_, "");
     return std::move(found_);
   }
 
@@ -137,12 +139,13 @@ class Inspector {
 
   void find_plane() {
     // Where the background was removed from the depth image itself, no plane can be trusted to be the table.
-    if (scene_.support)
-      found_.plane = scene_.support->plane;
-    else if (raw_.background == Background::table || raw_.mask) {
-      PlaneSearch search;
-      search.least_area = 1e-6;  // the scale may be wrong
-      found_.plane = find_support_plane(raw_.depth, raw_.camera.intrinsics, search);
+    if (raw_.background == Background::table || raw_.mask) {
+      const double factor = factor_to_tables();
+      // One that was taken from the camera pose for want of another has no readings.
+      if (scene_.support && scene_.support->plane.readings > 0 && factor == 1.0)
+        found_.plane = scene_.support->plane;
+      else
+        found_.plane = any_plane(factor);
     }
     if (is_ready_) found_.table_height = table_height(scene_);
     if (!found_.plane || !scene_.has_camera_pose) return;
@@ -151,6 +154,26 @@ class Inspector {
     // Below the optical axis, where it meets the plane.
     const double along = -found_.plane->distance / found_.plane->normal.z();
     found_.plane_height = (scene_.camera.world_from_camera * Eigen::Vector3d(0, 0, along)).z();
+  }
+
+  /// The power of ten that brings the readings to where tables are; 1 where they are there.
+  double factor_to_tables() const {
+    const double median = found_.depth.median;
+    if (median <= 0.0 || (median > 0.15 && median < 4.0)) return 1.0;
+    return std::pow(10.0, -std::round(std::log10(median)));
+  }
+
+  /// The support plane by the readings alone, whatever the camera pose says; looked for among depths that are
+  /// `factor` times as large, for noise and sizes don't grow alike.
+  std::optional<SupportPlane> any_plane(double factor) const {
+    DepthImage depth = raw_.depth;
+    for (std::size_t i = 0; i < depth.size(); ++i) depth[i] *= static_cast<float>(factor);
+    auto plane = find_support_plane(depth, raw_.camera.intrinsics, {});
+    if (!plane) return std::nullopt;
+    plane->distance /= factor;
+    plane->rms /= factor;
+    plane->area /= factor * factor;
+    return plane;
   }
 
   void check_depth() {
@@ -171,7 +194,7 @@ class Inspector {
                       d.median),
           fmt::format("is it {:g}? millimetres are 0.001, tenths of them 0.0001", raw_.depth_scale / factor));
     }
-    if (raw_.depth_scale > 0.5 * settings_.candidates.cost.delta)
+    if (!told && raw_.depth_scale > 0.5 * settings_.candidates.cost.delta)
       warn("observation.depth_scale",
            fmt::format("makes steps of {:g} m, coarser than half of delta ({:g} m)", raw_.depth_scale,
                        settings_.candidates.cost.delta),
@@ -179,7 +202,7 @@ class Inspector {
     if (raw_.mask && d.observed > 0.6)
       warn("observation.mask", fmt::format("marks {:.0f} % of the image as objects", 100 * d.observed),
            "is it inverted? non-zero means object");
-    if (d.points > 0 && d.points < 200)
+    if (d.points < 200 && !camera_is_off() && fault_.empty())
       warn("observation", fmt::format("leaves {} points of the objects", d.points),
            "check mask, workspace and table.height");
   }
