@@ -8,8 +8,6 @@
 namespace perch {
 namespace {
 
-constexpr double sensor_noise = 0.02;  // metres; a reading of an object is seldom farther off
-
 /// Finds the symmetries that are asked for, and gives them to the truth poses that take their model's.
 void find_symmetries(Scene& scene, double delta, const Executor& executor) {
   executor.for_each(
@@ -34,7 +32,7 @@ Scene prepare(Scene scene, const Settings& settings, const Executor& executor) {
   // What no object reaches is no object's. It may still hide one.
   if (scene.clutter) {
     scene.table_height = table_height(scene);
-    scene.mask = readings_in_reach(scene, *scene.table_height, sensor_noise);
+    scene.mask = readings_in_reach(scene, *scene.table_height, reading_noise);
   }
   return scene;
 }

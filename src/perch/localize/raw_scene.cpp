@@ -16,7 +16,6 @@
 namespace perch {
 namespace {
 
-constexpr double sensor_noise = 0.02;    // metres; a reading of an object is seldom farther off
 constexpr double farthest_origin = 3.0;  // metres along the optical axis
 constexpr double cell = 0.04;            // metres, of the map of what is seen of the table
 constexpr double table_border = 0.06;    // metres that objects may stand out over what is seen of it
@@ -133,7 +132,7 @@ Scene without_table(Scene scene, const PlaneSettings& settings) {
   if (!scene.workspace)
     on_table = Eigen::AlignedBox2d(Eigen::Vector2d(table.x_min - table_border, table.y_min - table_border),
                                    Eigen::Vector2d(table.x_max + table_border, table.y_max + table_border));
-  Reach reach(scene, scene.table_height, sensor_noise);
+  Reach reach(scene, scene.table_height, reading_noise);
   if (on_table) reach.limit(*on_table);
   const Eigen::Isometry3d& world_from_camera = scene.camera.world_from_camera;
   const Image<RawLabel> labels = label_raw(
@@ -149,6 +148,11 @@ Scene without_table(Scene scene, const PlaneSettings& settings) {
     if (labels[i] == RawLabel::unknown || (labels[i] == RawLabel::foreground && !scene.clutter))
       scene.depth[i] = 0.0F;
   }
+  if (std::none_of(mask.data().begin(), mask.data().end(), [](std::uint8_t m) { return m != 0; }))
+    throw InputError(
+        "observation.background: nothing stands on the support plane within reach of the models; check "
+        "workspace, "
+        "observation.depth_scale and camera.world_from_camera");
   scene.mask = std::move(mask);
   scene.background = Background::removed;
   scene.support = support;

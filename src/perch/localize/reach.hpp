@@ -9,6 +9,9 @@
 
 namespace perch {
 
+/// How far a reading of an object may be off, metres; more is rare.
+inline constexpr double reading_noise = 0.02;
+
 /// Where points of a scene's objects can lie, wherever in the workspace they stand: no higher than the
 /// highest model's top, no lower than the lowest one's foot and no farther from the workspace than the
 /// largest model reaches; all by `margin` more, metres.
