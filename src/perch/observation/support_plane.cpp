@@ -82,7 +82,10 @@ class PlaneFinder {
       const double higher = best->distance - plane.distance;
       const double ratio = static_cast<double>(plane.readings) / static_cast<double>(best->readings);
       const bool large = ratio >= (higher >= table_above_floor ? table_over_floor : top_over_table);
-      if (higher > 0.0 && large && carries_something(plane)) best = &plane;
+      // Floor, table and shelf are parallel, as far as the sensor keeps them so; a plane laid across a wall
+      // and what stands before it is not.
+      const bool parallel = plane.normal.dot(best->normal) >= same_direction;
+      if (higher > 0.0 && parallel && large && carries_something(plane)) best = &plane;
     }
     return *best;
   }
