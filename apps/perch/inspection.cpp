@@ -151,9 +151,12 @@ class Inspector {
     if (!found_.plane || !scene_.has_camera_pose) return;
     const Eigen::Vector3d up = scene_.camera.world_from_camera.linear() * found_.plane->normal;
     found_.plane_tilt = std::acos(std::clamp(up.z(), -1.0, 1.0));
-    // Below the optical axis, where it meets the plane.
-    const double along = -found_.plane->distance / found_.plane->normal.z();
-    found_.plane_height = (scene_.camera.world_from_camera * Eigen::Vector3d(0, 0, along)).z();
+    // Below the optical axis, where it meets the plane; where it doesn't, below the camera.
+    const Eigen::Vector3d& normal = found_.plane->normal;
+    const Eigen::Vector3d below = normal.z() < -0.05
+                                      ? Eigen::Vector3d(0.0, 0.0, -found_.plane->distance / normal.z())
+                                      : Eigen::Vector3d(-found_.plane->distance * normal);
+    found_.plane_height = (scene_.camera.world_from_camera * below).z();
   }
 
   /// The power of ten that brings the readings to where tables are; 1 where they are there.
