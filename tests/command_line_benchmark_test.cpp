@@ -20,7 +20,10 @@ class Benchmark : public CommandLine {
   }
 };
 
-TEST_F(Benchmark, WritesTheResultsOfAllRunsAndOneComparison) {
+/// Too slow for sanitizers.
+class BenchmarkHeavy : public Benchmark {};
+
+TEST_F(BenchmarkHeavy, WritesTheResultsOfAllRunsAndOneComparison) {
   const Outcome outcome = run(benchmark("perch,bfwor"));
   ASSERT_EQ(outcome.status, 0) << outcome;
   EXPECT_EQ(outcome.err, "");
@@ -45,7 +48,7 @@ TEST_F(Benchmark, WritesTheResultsOfAllRunsAndOneComparison) {
   EXPECT_EQ(json("report/evaluation.json").at("methods").at(0).at("objects"), 4);
 }
 
-TEST_F(Benchmark, GoesOnWhereItWasStopped) {
+TEST_F(BenchmarkHeavy, GoesOnWhereItWasStopped) {
   ASSERT_EQ(run(benchmark("perch")).status, 0);
   const auto of = [&](const std::string& name) { return folder() / "report/perch" / name / "result.json"; };
   // What is there is not made again: seconds differ from run to run.

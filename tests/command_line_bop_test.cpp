@@ -165,6 +165,9 @@ class BopSet : public ::testing::Test {
   TemporaryFolder temporary_;
 };
 
+/// Too slow for sanitizers.
+class BopSetHeavy : public BopSet {};
+
 TEST_F(BopSet, HoldsWhatBopHolds) {
   simulate();
   const Json info = json("set/models/models_info.json");
@@ -216,7 +219,7 @@ TEST_F(BopSet, HoldsWhatBopHolds) {
   }
 }
 
-TEST_F(BopSet, IsFoundAgain) {
+TEST_F(BopSetHeavy, IsFoundAgain) {
   simulate();
   const Outcome outcome = localize({"--targets", "test_targets_bop19.json", "-o", "out"});
   ASSERT_EQ(outcome.status, 0) << outcome;
@@ -239,7 +242,7 @@ TEST_F(BopSet, IsFoundAgain) {
   EXPECT_TRUE(fs::exists(folder() / "one/result.json"));
 }
 
-TEST_F(BopSet, IsFoundAgainInOtherFramesOfTheModels) {
+TEST_F(BopSetHeavy, IsFoundAgainInOtherFramesOfTheModels) {
   // Each model's frame turned and shifted, so that it is never +z that points up: only rest poses find it.
   simulate();
   Json info = json("set/models/models_info.json");

@@ -47,6 +47,9 @@ class Inspect : public CommandLine {
   }
 };
 
+/// Too slow for sanitizers.
+class InspectHeavy : public Inspect {};
+
 TEST_F(Inspect, FindsNothingWrongWithAGoodScene) {
   const Outcome outcome = run({"inspect", "scene.yaml", "-o", "out"});
   EXPECT_EQ(outcome.status, 0) << outcome;
@@ -56,7 +59,7 @@ TEST_F(Inspect, FindsNothingWrongWithAGoodScene) {
   EXPECT_THAT(bytes_of(folder() / "out/inspection.png"), ::testing::StartsWith("\x89PNG"));
 }
 
-TEST_F(Inspect, CameraPoseOfTheOtherDirectionOrConvention) {
+TEST_F(InspectHeavy, CameraPoseOfTheOtherDirectionOrConvention) {
   const Eigen::Matrix4d inverse = pose().inverse();
   warns(with_pose(inverse), {"camera.world_from_camera", "the other way", "give its inverse"});
   const Eigen::Matrix4d graphics = Eigen::Vector4d(1, -1, -1, 1).asDiagonal();
@@ -72,7 +75,7 @@ TEST_F(Inspect, CameraPoseOfTheOtherDirectionOrConvention) {
   warns(with_pose(millimetres), {"camera.world_from_camera", "millimetres"});
 }
 
-TEST_F(Inspect, DepthScaleOffByPowersOfTen) {
+TEST_F(InspectHeavy, DepthScaleOffByPowersOfTen) {
   const double scale = scene.scene.depth_scale;
   for (const double factor : {10.0, 0.1, 0.01, 0.001})
     warns(
@@ -81,13 +84,13 @@ TEST_F(Inspect, DepthScaleOffByPowersOfTen) {
                                                : fmt::format("too small; multiply it by {:g}", 1 / factor)});
 }
 
-TEST_F(Inspect, TableHeightOff) {
+TEST_F(InspectHeavy, TableHeightOff) {
   for (const double off : {0.05, -0.05})
     warns(with_line(yaml, "table:", fmt::format("table: {{height: {}}}", *scene.scene.table_height + off)),
           {"table.height", fmt::format("is {:g} m", *scene.scene.table_height + off), "leave it out"});
 }
 
-TEST_F(Inspect, ModelsOfTheWrongSize) {
+TEST_F(InspectHeavy, ModelsOfTheWrongSize) {
   Mesh mesh = mug();
   for (Eigen::Vector3f& p : mesh.vertices) p *= 10.0F;
   write_mesh(mesh);
@@ -105,7 +108,7 @@ TEST_F(Inspect, MillimetresForMetres) {
                  {"models.mug.mesh", "millimetres taken for metres? set models.mug.unit: mm"});
 }
 
-TEST_F(Inspect, MeshesBesideTheirOriginOrWithHoles) {
+TEST_F(InspectHeavy, MeshesBesideTheirOriginOrWithHoles) {
   Mesh mesh = mug();
   for (Eigen::Vector3f& p : mesh.vertices) p.x() += 0.2F;
   write_mesh(mesh);
@@ -116,7 +119,7 @@ TEST_F(Inspect, MeshesBesideTheirOriginOrWithHoles) {
   warns(yaml, {"models.mug.mesh", "not watertight"});
 }
 
-TEST_F(Inspect, SymmetryThatIsNotStatedOrIsAboutAnotherAxis) {
+TEST_F(InspectHeavy, SymmetryThatIsNotStatedOrIsAboutAnotherAxis) {
   const std::string wrong = replaced(yaml, "symmetry: continuous", "symmetry: none");
   warns(wrong, {"models.can.symmetry", "all sides look the same", "continuous, or auto"});
   Mesh can;
@@ -127,7 +130,7 @@ TEST_F(Inspect, SymmetryThatIsNotStatedOrIsAboutAnotherAxis) {
   warns(yaml, {"models.can.mesh", "mm off an axis of symmetry (continuous)", "symmetry: auto"});
 }
 
-TEST_F(Inspect, DepthThatCantBeHeldAgainstAnything) {
+TEST_F(InspectHeavy, DepthThatCantBeHeldAgainstAnything) {
   // Neither workspace nor table height: only what cameras can see at all is known.
   std::string text = with_line(with_line(yaml, "workspace:", ""), "table:", "");
   const double scale = scene.scene.depth_scale;
@@ -140,7 +143,7 @@ TEST_F(Inspect, DepthThatCantBeHeldAgainstAnything) {
                              HasSubstr("coarser than half of delta")));
 }
 
-TEST_F(Inspect, HardlyAnyPoints) {
+TEST_F(InspectHeavy, HardlyAnyPoints) {
   const Scene& s = scene.scene;
   Image<std::uint8_t> mask(s.depth.width(), s.depth.height(), 0);
   int left = 60;
@@ -169,7 +172,7 @@ TEST_F(Inspect, InvertedMask) {
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("WARNING: observation.mask"), HasSubstr("is it inverted?")));
 }
 
-TEST_F(Inspect, TooManyPoses) {
+TEST_F(InspectHeavy, TooManyPoses) {
   const Outcome outcome = run({"inspect", "scene.yaml", "--set", "grid.max_poses=100"});
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.out,

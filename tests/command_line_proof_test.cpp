@@ -26,6 +26,9 @@ class Proof : public CommandLine {
   Outcome outcome;
 };
 
+/// Too slow for sanitizers.
+class ProofHeavy : public Proof {};
+
 TEST_F(Proof, AnytimeEndsWhenTheSceneIsProvenOptimal) {
   for (const std::string search : {"branch-and-bound", "focal-mha"}) {
     const Json result = answer(coarse({"scene.yaml", "--anytime", "--search", search}));
@@ -35,7 +38,7 @@ TEST_F(Proof, AnytimeEndsWhenTheSceneIsProvenOptimal) {
 }
 
 // The first solution is handed out at once without --anytime; both searches say what they have proven of it.
-TEST_F(Proof, AtALimitTheStatusFollowsTheBound) {
+TEST_F(ProofHeavy, AtALimitTheStatusFollowsTheBound) {
   int solved = 0, unproven = 0;
   for (const std::string expansions : {"0", "2"})
     for (const std::string w : {"1", "20"})
@@ -48,7 +51,7 @@ TEST_F(Proof, AtALimitTheStatusFollowsTheBound) {
   EXPECT_GT(unproven, 0);
 }
 
-TEST_F(Proof, EnumerationFindsWhatTheSearchesProveOptimal) {
+TEST_F(ProofHeavy, EnumerationFindsWhatTheSearchesProveOptimal) {
   for (const std::string search : {"branch-and-bound", "focal-mha"}) {
     const Json searched = answer(coarse({"scene.yaml", "--w", "1", "--search", search}));
     const Json enumerated = answer(coarse({"scene.yaml", "--exhaustive", "--search", search}));
@@ -66,7 +69,7 @@ TEST_F(Proof, EnumerationOfTooManyScenesIsRefused) {
                  {"many.yaml", "10000000 can be enumerated"});
 }
 
-TEST_F(Proof, AnObjectThatIsNotInTheImageIsAbsent) {
+TEST_F(ProofHeavy, AnObjectThatIsNotInTheImageIsAbsent) {
   write(folder() / "more.yaml",
         with_line(yaml, "objects:",
                   "objects: [{model: can, optional: true}, mug, can, {model: mug, optional: true}]"));
@@ -86,7 +89,7 @@ TEST_F(Proof, AnObjectThatIsNotInTheImageIsAbsent) {
 }
 
 // One that is listed as required is placed, however badly that explains the image.
-TEST_F(Proof, WhatIsNotOptionalIsPlaced) {
+TEST_F(ProofHeavy, WhatIsNotOptionalIsPlaced) {
   write(folder() / "more.yaml", with_line(yaml, "objects:", "objects: [can, mug, mug]"));
   const Json result = answer(coarse({"more.yaml"}), {"can", "mug", "mug"});
   for (const Json& object : result.at("objects")) EXPECT_FALSE(object.contains("absent"));

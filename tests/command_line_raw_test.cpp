@@ -103,7 +103,10 @@ class RawFrame : public ::testing::Test {
   TemporaryFolder temporary_;
 };
 
-TEST_F(RawFrame, IsSearchedCheckedAndEvaluated) {
+/// Too slow for sanitizers.
+class RawFrameHeavy : public RawFrame {};
+
+TEST_F(RawFrameHeavy, IsSearchedCheckedAndEvaluated) {
   const Outcome found = run({"localize", "raw.yaml", "-o", "out/raw"});
   ASSERT_EQ(found.status, 0) << found;
   const Json raw = result("out/raw"), support = raw["support_plane"];
@@ -132,7 +135,7 @@ TEST_F(RawFrame, IsSearchedCheckedAndEvaluated) {
   EXPECT_TRUE(fs::exists(folder() / "report/evaluation.json"));
 }
 
-TEST_F(RawFrame, WithoutCameraPoseGetsOneFromThePlane) {
+TEST_F(RawFrameHeavy, WithoutCameraPoseGetsOneFromThePlane) {
   const Outcome found = run({"localize", "bare.yaml", "-o", "out/bare"});
   ASSERT_EQ(found.status, 0) << found;
   const Json result_bare = result("out/bare"), support = result_bare["support_plane"];
@@ -161,7 +164,7 @@ TEST_F(RawFrame, WithoutCameraPoseGetsOneFromThePlane) {
   EXPECT_EQ(evaluated.status, 0) << evaluated;
 }
 
-TEST_F(RawFrame, InspectionNamesTheUsualMistakes) {
+TEST_F(RawFrameHeavy, InspectionNamesTheUsualMistakes) {
   write(folder() / "changed.yaml", yaml);
   EXPECT_EQ(run({"inspect", "changed.yaml"}).status, 0);
   EXPECT_EQ(run({"inspect", "bare.yaml"}).status, 0);

@@ -47,7 +47,10 @@ class RestPoses : public CommandLine {
   const SimulatedScene made;
 };
 
-TEST_F(RestPoses, AreFoundCheckedAndHeldAgainstTheTruth) {
+/// Too slow for sanitizers.
+class RestPosesHeavy : public RestPoses {};
+
+TEST_F(RestPosesHeavy, AreFoundCheckedAndHeldAgainstTheTruth) {
   const Outcome outcome = run({"localize", "scene.yaml", "-o", "out/jugs"});
   EXPECT_EQ(outcome.status, 0) << outcome;
   EXPECT_THAT(outcome.out, HasSubstr("jug, rest pose 2"));
@@ -104,7 +107,7 @@ TEST_F(RestPoses, AreScored) {
   EXPECT_NE(records[2], records[0]);
 }
 
-TEST_F(RestPoses, GuideTheSearchAsPriors) {
+TEST_F(RestPosesHeavy, GuideTheSearchAsPriors) {
   write(folder() / "priors.json", truth().dump());
   const Outcome outcome = run(coarse({"localize", "scene.yaml", "--priors", "priors.json", "-o", "out"}));
   EXPECT_EQ(outcome.status, 0) << outcome;
