@@ -11,6 +11,17 @@
 
 namespace perch {
 
+bool Executor::spread(Batch& batch, const StopCondition& stop) const {
+  if (!batch.fills_process())
+    return for_each_batched(*this, batch.size(), batch.grain(), stop,
+                            [&](std::size_t item, std::size_t worker) { batch.work(item, worker); });
+  for (std::size_t item = 0; item < batch.size(); ++item) {
+    if (stop()) return false;
+    batch.work(item, 0);
+  }
+  return true;
+}
+
 bool SerialExecutor::for_each(std::size_t n, const Body& body, const StopCondition& stop) const {
   for (std::size_t i = 0; i < n; ++i) {
     if (stop()) return false;

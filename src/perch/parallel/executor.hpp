@@ -4,8 +4,11 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <string>
 
+#include "perch/core/bytes.hpp"
 #include "perch/core/stop.hpp"
+#include "perch/parallel/batch.hpp"
 
 namespace perch {
 
@@ -22,6 +25,14 @@ class Executor {
   /// True when the body has run for every index 0 .. n - 1; false when the stop condition, asked before each,
   /// struck first.
   virtual bool for_each(std::size_t n, const Body& body, const StopCondition& stop) const = 0;
+
+  /// As for_each over the batch's items, which other processes may share in.
+  virtual bool spread(Batch& batch, const StopCondition& stop) const;
+  /// How many processes share in batches, this one included.
+  virtual std::size_t processes() const { return 1; }
+  /// Lets the services of this topic in all other processes hear something, before any batch that is spread
+  /// later.
+  virtual void tell(const std::string& /*topic*/, Bytes /*what*/) const {}
 };
 
 /// One after the other, in index order.

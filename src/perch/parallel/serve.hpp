@@ -1,0 +1,20 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "perch/parallel/batch.hpp"
+#include "perch/parallel/executor.hpp"
+#include "perch/parallel/transport.hpp"
+
+namespace perch {
+
+/// By topic.
+using Services = std::map<std::string, std::shared_ptr<Service>>;
+
+/// What every process but the first does until the first says that no more is to come: works on portions of
+/// batches, by its services. What goes wrong is reported to the first and ends nothing here.
+void serve(Transport& transport, const Services& services, const Executor& executor);
+
+}  // namespace perch

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "perch/parallel/executor.hpp"
+#include "perch/parallel/transport.hpp"
+
+namespace perch {
+
+/// What passed between processes, both ways.
+struct Traffic {
+  std::uint64_t messages = 0, bytes = 0;
+  std::uint64_t news_bytes = 0;  ///< of these: told to all, counted once for each process
+  std::uint64_t items = 0;       ///< worked on in other processes
+};
+
+/// The first of several processes, which runs the program; the others serve() it. for_each runs on its own
+/// threads, spread on those of all.
+class TeamExecutor final : public Executor {
+ public:
+  /// Waits for the hello of each. Keeps a reference. \param own this process's threads.
+  TeamExecutor(Transport& transport, std::unique_ptr<Executor> own);
+  /// Lets the others end.
+  ~TeamExecutor() override;
+
+  std::size_t workers() const override;
+  bool for_each(std::size_t n, const Body& body, const StopCondition& stop) const override;
+  /// Throws what went wrong in another process, as an InputError that names it or a std::runtime_error.
+  bool spread(Batch& batch, const StopCondition& stop) const override;
+  std::size_t processes() const override;
+  void tell(const std::string& topic, Bytes what) const override;
+  Traffic traffic() const;
+
+ private:
+  struct Team;
+  std::unique_ptr<Team> team_;
+};
+
+}  // namespace perch
