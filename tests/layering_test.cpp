@@ -40,6 +40,7 @@ const std::map<std::string, std::set<std::string>>& allowed_layers() {
     allowed["baselines"] = {"core", "parallel", "model", "render", "observation", "cost", "refine"};
     allowed["eval"] = {"core", "model", "render", "io"};
     allowed["verify"] = {"core", "io"};
+    allowed["mpi"] = {"core", "parallel"};
     return allowed;
   }();
   return all;

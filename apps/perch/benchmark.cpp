@@ -15,6 +15,7 @@
 #include "perch/eval/report.hpp"
 #include "perch/io/atomic_write.hpp"
 #include "perch/io/read_file.hpp"
+#include "ranks.hpp"
 #include "run_method.hpp"
 #include "scene_input.hpp"
 
@@ -147,7 +148,7 @@ void write_report(const std::vector<MethodRecord>& methods, const fs::path& repo
   fmt::print("{}", comparison_tables(summaries));
 }
 
-int benchmark(const BenchmarkOptions& options) {
+int benchmark(const BenchmarkOptions& options, const Ranks& ranks) {
   const Settings settings = options.settings.read();
   settings.check_together();
   if (settings.localization != LocalizationMethod::perch)
@@ -155,7 +156,7 @@ int benchmark(const BenchmarkOptions& options) {
         fmt::format("method is {}; name the methods with --methods", name(settings.localization)));
   const std::vector<LocalizationMethod> methods = methods_of(options);
   const std::vector<EvaluatedScene> scenes = find_scenes(options.scenes);
-  const auto executor = make_executor(settings.threads);
+  const auto executor = ranks.executor(settings.threads);
   check_scenes(scenes, settings, *executor);
   const fs::path report = options.report;
   rehearse_evaluation(report);
@@ -170,7 +171,7 @@ int benchmark(const BenchmarkOptions& options) {
 
 }  // namespace
 
-void add_benchmark(CLI::App& app, Run& run) {
+void add_benchmark(CLI::App& app, Run& run, const Ranks& ranks) {
   auto options = std::make_shared<BenchmarkOptions>();
   options->methods = {"perch"};
   CLI::App* command =
@@ -195,7 +196,8 @@ void add_benchmark(CLI::App& app, Run& run) {
                                       {"--yaw-resolution-deg", "grid.yaw_resolution_deg"},
                                       {"--time-limit", "search.time_limit"},
                                       {"--threads", "threads"}});
-  command->callback([options, &run] { run = [options] { return benchmark(*options); }; });
+  command->callback(
+      [options, &run, &ranks] { run = [options, &ranks] { return benchmark(*options, ranks); }; });
 }
 
 }  // namespace perch::app

@@ -14,6 +14,8 @@
 
 namespace perch::app {
 
+class Ranks;
+
 /// Exit statuses of the command line.
 enum ExitStatus { exit_solved = 0, exit_infeasible = 1, exit_bad_input = 2, exit_time_limit = 3 };
 
@@ -45,10 +47,10 @@ auto blaming(const std::string& name, const Work& work) {
 
 /// Each adds its subcommand; the function it sets `run` to does the work and returns the exit status.
 using Run = std::function<int()>;
-void add_localize(CLI::App& app, Run& run);
+void add_localize(CLI::App& app, Run& run, const Ranks& ranks);
 void add_score(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
-void add_benchmark(CLI::App& app, Run& run);
+void add_benchmark(CLI::App& app, Run& run, const Ranks& ranks);
 void add_inspect(CLI::App& app, Run& run);
 void add_simulate(CLI::App& app, Run& run);
 void add_verify(CLI::App& app, Run& run);  // where it is built

@@ -14,6 +14,7 @@
 #include "perch/core/stopwatch.hpp"
 #include "perch/io/poses_file.hpp"
 #include "perch/localize/localize.hpp"
+#include "ranks.hpp"
 #include "run_method.hpp"
 #include "scene_input.hpp"
 
@@ -118,7 +119,7 @@ Scene read_inputs(const std::string& file, const LocalizeOptions& options, const
   return scene;
 }
 
-int localize_scenes(const LocalizeOptions& options) {
+int localize_scenes(const LocalizeOptions& options, const Ranks& ranks) {
   const Stopwatch watch;
   Settings settings = options.settings.read();
   settings.anytime = settings.anytime || options.anytime;
@@ -130,14 +131,14 @@ int localize_scenes(const LocalizeOptions& options) {
         fmt::format("--priors: {} has no use for them; leave them out, or use --method perch",
                     name(settings.localization)));
   options.bop.check();
+  const auto executor = ranks.executor(settings.threads);
   if (options.bop.given()) {
     if (!options.scenes.empty() || options.priors)
       throw InputError("--bop takes its images from a data set; leave out scene files and --priors");
-    return localize_bop(options.bop, settings, options.output, options.quiet, watch);
+    return localize_bop(options.bop, settings, *executor, options.output, options.quiet, watch);
   }
   if (options.scenes.empty())
     throw InputError("scenes is required; give scene files, or a data set with --bop");
-  const auto executor = make_executor(settings.threads);
   const std::size_t n = options.scenes.size();
   const auto output_of = [&](std::size_t i, const Scene& scene) {
     const std::filesystem::path directory(options.output);
@@ -169,7 +170,7 @@ int localize_scenes(const LocalizeOptions& options) {
 
 }  // namespace
 
-void add_localize(CLI::App& app, Run& run) {
+void add_localize(CLI::App& app, Run& run, const Ranks& ranks) {
   auto options = std::make_shared<LocalizeOptions>();
   CLI::App* command = app.add_subcommand("localize", "find the pose of every object of a scene");
   command->add_option("scenes", options->scenes, "scene files (YAML)");
@@ -196,7 +197,8 @@ void add_localize(CLI::App& app, Run& run) {
                                       {"--time-limit", "search.time_limit"},
                                       {"--max-expansions", "search.max_expansions"},
                                       {"--threads", "threads"}});
-  command->callback([options, &run] { run = [options] { return localize_scenes(*options); }; });
+  command->callback(
+      [options, &run, &ranks] { run = [options, &ranks] { return localize_scenes(*options, ranks); }; });
 }
 
 }  // namespace perch::app

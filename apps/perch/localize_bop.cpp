@@ -103,9 +103,8 @@ std::vector<BopImageTargets> BopLocalization::images(BopDataset& dataset) const 
   return {*found};
 }
 
-int localize_bop(const BopLocalization& bop, const Settings& settings, const std::string& output, bool quiet,
-                 const Stopwatch& watch) {
-  const auto executor = make_executor(settings.threads);
+int localize_bop(const BopLocalization& bop, const Settings& settings, const Executor& executor,
+                 const std::string& output, bool quiet, const Stopwatch& watch) {
   BopDataset dataset(bop.folder(), bop.options());
   const std::vector<BopImageTargets> images = bop.images(dataset);
   const std::size_t n = images.size();
@@ -133,12 +132,12 @@ int localize_bop(const BopLocalization& bop, const Settings& settings, const std
         StopCondition::after((settings.time_limit - watch.seconds()) / static_cast<double>(n - i));
     try {
       BopImage image = dataset.image(images[i]);
-      image.scene = prepared(std::move(image.scene), settings, *executor);
+      image.scene = prepared(std::move(image.scene), settings, executor);
       const auto residuals = set_bop_truth(dataset, image.truth, image.scene);
       const Scene& scene = image.scene;
-      const Result result = localize_with_progress(scene, settings, *executor, stop, quiet, scene.name);
+      const Result result = localize_with_progress(scene, settings, executor, stop, quiet, scene.name);
       append_rows(image, result, of_image.seconds(), rows);
-      if (!output.empty()) write_outputs(scene, result, settings, *executor, output_of(image));
+      if (!output.empty()) write_outputs(scene, result, settings, executor, output_of(image));
       if (!quiet) print_table(scene, result);
       errors.add(dataset, image, result, residuals, !quiet);
       if (result.status == Status::infeasible)

@@ -7,6 +7,7 @@
 #include "perch/core/stopwatch.hpp"
 #include "perch/io/bop_dataset.hpp"
 #include "perch/localize/settings.hpp"
+#include "perch/parallel/executor.hpp"
 
 namespace perch::app {
 
@@ -31,7 +32,7 @@ class BopLocalization {
 
 /// Localizes images of a data set and writes BOP's results file. Returns the exit status.
 /// \param output folder for all that is written, or empty. \param watch since the command began.
-int localize_bop(const BopLocalization& bop, const Settings& settings, const std::string& output, bool quiet,
-                 const Stopwatch& watch);
+int localize_bop(const BopLocalization& bop, const Settings& settings, const Executor& executor,
+                 const std::string& output, bool quiet, const Stopwatch& watch);
 
 }  // namespace perch::app

@@ -2,11 +2,13 @@
 
 #include <cstdio>
 #include <exception>
+#include <functional>
 #include <new>
 #include <string>
 
 #include "command.hpp"
 #include "perch/core/error.hpp"
+#include "ranks.hpp"
 
 namespace {
 
@@ -17,10 +19,9 @@ void print_error(std::string message) {
   fmt::print(stderr, "perch: {}\n", message);
 }
 
-}  // namespace
+using namespace perch::app;
 
-int main(int argc, char** argv) {
-  using namespace perch::app;
+int run_command(int argc, char** argv, const Ranks& ranks) {
   CLI::App app("Finds known objects in a depth image, with a proven bound on how good the answer is.",
                "perch");
   app.set_version_flag("--version", PERCH_VERSION);
@@ -30,10 +31,10 @@ int main(int argc, char** argv) {
       "usage or input; 3 the time limit came "
       "first.");
   Run run;
-  add_localize(app, run);
+  add_localize(app, run, ranks);
   add_score(app, run);
   add_evaluate(app, run);
-  add_benchmark(app, run);
+  add_benchmark(app, run, ranks);
   add_inspect(app, run);
   add_simulate(app, run);
 #ifdef PERCH_HAS_VERIFY
@@ -47,8 +48,13 @@ int main(int argc, char** argv) {
     print_error(fmt::format("{}; see perch --help", error.what()));
     return exit_bad_input;
   }
+  return run();
+}
+
+/// Does it; what goes wrong is said on one line.
+int reporting(const std::function<int()>& command) {
   try {
-    return run();
+    return command();
   } catch (const perch::InputError& error) {
     print_error(error.what());
   } catch (const std::bad_alloc&) {
@@ -57,4 +63,20 @@ int main(int argc, char** argv) {
     print_error(fmt::format("internal error: {}", error.what()));
   }
   return exit_bad_input;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return reporting([&] {
+    Ranks ranks(argc, argv);
+    if (!ranks.serves()) return reporting([&] { return run_command(argc, argv, ranks); });
+    const int status = reporting([&] {
+      ranks.serve();
+      return int{exit_solved};
+    });
+    // The first would wait for this one.
+    if (status != exit_solved) ranks.abort(status);
+    return status;
+  });
 }

@@ -40,6 +40,8 @@ struct Candidate {
 
   /// Its rendering; kept only where it explains something, to save memory. See CandidateMaker::patch.
   DepthPatch patch;
+  /// It would be kept, but was made in another process: drawing it again is no further work.
+  bool drawn_elsewhere = false;
 };
 
 /// An optional object that is left out: it explains nothing and costs nothing. \param model the first of its

@@ -11,9 +11,9 @@ CandidateMaker::CandidateMaker(const LocalizationProblem& problem)
 void CandidateMaker::render(std::size_t model, const Pose& pose, DepthPatch& patch) {
   const ThreadStopwatch watch;
   problem_.render(model, pose, rasterizer_, patch);
-  ++work_.renderings;
-  work_.pixels += std::int64_t{patch.window.width()} * patch.window.height();
-  seconds_.render += watch.seconds();
+  ++effort_.work.renderings;
+  effort_.work.pixels += std::int64_t{patch.window.width()} * patch.window.height();
+  effort_.seconds.render += watch.seconds();
 }
 
 std::optional<Candidate> CandidateMaker::make(std::size_t model, const Pose& grid_pose,
@@ -43,7 +43,7 @@ std::optional<Placing> CandidateMaker::place(const Composite& others, std::size_
     sample(model, placing.pose, &others.depth);
     placing.residual = mean_residual(samples_, *problem_.nearest(), problem_.settings().cost.delta);
   }
-  seconds_.cost += watch.seconds();
+  effort_.seconds.cost += watch.seconds();
   return counts ? std::optional(placing) : std::nullopt;
 }
 
@@ -66,7 +66,7 @@ Alignment CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const
     sample(model, pose, in_front);
     auto [moved, misfit] = align(samples_, pose, symmetry.is_continuous(), *problem_.nearest(),
                                  settings.icp_reach(), settings.refine);
-    ++work_.alignments;
+    ++effort_.work.alignments;
     refined.misfit = misfit;
     moved.x = std::clamp(moved.x, workspace.x_min, workspace.x_max);
     moved.y = std::clamp(moved.y, workspace.y_min, workspace.y_max);
@@ -74,7 +74,7 @@ Alignment CandidateMaker::refine(std::size_t model, const Pose& grid_pose, const
     if (moved == pose) break;
     pose = moved;
   }
-  seconds_.refine += watch.seconds();
+  effort_.seconds.refine += watch.seconds();
   return refined;
 }
 
@@ -95,7 +95,7 @@ Candidate CandidateMaker::value_rendered(std::size_t model, const Pose& pose) {
   candidate.uncertain_runs = lone_value_.uncertain;
   candidate.explained_pixels = lone_value_.shown;
   if (!candidate.explained_pixels.empty()) candidate.patch = patch_;
-  seconds_.cost += watch.seconds();
+  effort_.seconds.cost += watch.seconds();
   return candidate;
 }
 
@@ -126,7 +126,9 @@ void CandidateMaker::add_volumes(Candidate& candidate) const {
 
 const DepthPatch& CandidateMaker::patch(const Candidate& candidate) {
   if (candidate.absent || !candidate.patch.window.empty()) return candidate.patch;
+  const Work before = effort_.work;
   render(candidate.model, candidate.pose);
+  if (candidate.drawn_elsewhere) effort_.work = before;
   return patch_;
 }
 

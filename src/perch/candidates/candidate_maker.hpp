@@ -25,6 +25,18 @@ struct StageSeconds {
   }
 };
 
+/// What a maker did, and how long that took.
+struct Effort {
+  StageSeconds seconds;
+  Work work;
+
+  Effort& operator+=(const Effort& other) {
+    seconds += other.seconds;
+    work += other.work;
+    return *this;
+  }
+};
+
 /// An object put into a composite: where, and J's counts with it.
 struct Placing {
   Pose pose;
@@ -77,8 +89,11 @@ class CandidateMaker {
   void add(Composite& composite, const Candidate& candidate) { add(composite, patch(candidate)); }
   void add(Composite& composite, const DepthPatch& patch) { lone_cost_.add(composite, patch); }
   CostChange& scratch() { return change_; }
-  const StageSeconds& seconds() const { return seconds_; }
-  const Work& work() const { return work_; }
+  const Effort& effort() const { return effort_; }
+  /// Starts from nothing, or from what it had done before: what was done since doesn't count.
+  void set_effort(const Effort& effort) { effort_ = effort; }
+  /// Adds what was done elsewhere in its place.
+  void credit(const Effort& effort) { effort_ += effort; }
 
  private:
   void render(std::size_t model, const Pose& pose) { render(model, pose, patch_); }
@@ -95,8 +110,7 @@ class CandidateMaker {
   LoneValue lone_value_;
   SurfaceSamples samples_;
   Sight seen_;
-  StageSeconds seconds_;
-  Work work_;
+  Effort effort_;
 };
 
 }  // namespace perch

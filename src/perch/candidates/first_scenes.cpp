@@ -72,7 +72,7 @@ class SceneBuilder {
                std::vector<Place>& ready) const {
     // What is made in vain must not be drawn.
     const bool drawn = std::all_of(scene.candidates.begin(), scene.candidates.end(), [&](CandidateId id) {
-      return set_[id].absent || !set_[id].patch.window.empty();
+      return set_[id].absent || set_[id].drawn_elsewhere || !set_[id].patch.window.empty();
     });
     ready.resize(drawn ? std::min(scene.candidates.size() - place, executor_.workers()) : 1);
     return executor_.for_each(

@@ -8,6 +8,7 @@
 #include "perch/localize/polish.hpp"
 #include "perch/localize/report.hpp"
 #include "perch/localize/scene_search.hpp"
+#include "perch/localize/services.hpp"
 #include "perch/localize/setup.hpp"
 
 namespace perch {
@@ -55,7 +56,7 @@ class Localization {
         stop_(stop),
         search_stop_(StopCondition::before(stop, 0.1, 3.0)),
         log_(on_progress),
-        problem_(make_problem(scene, settings, executor, stop)),
+        problem_(make_told_problem()),
         priors_(priors_of(scene, *problem_)),
         makers_(make_makers(*problem_, executor)),
         candidates_(*problem_, makers_, executor) {}
@@ -83,6 +84,12 @@ class Localization {
   }
 
  private:
+  /// All processes make it at the same time.
+  std::unique_ptr<LocalizationProblem> make_told_problem() const {
+    tell_problem(scene_, settings_, executor_);
+    return make_problem(scene_, settings_, executor_, stop_);
+  }
+
   /// Says so where the bound ranges over several ways to rest.
   void name_rest_poses() {
     for (std::size_t kind = 0; kind < problem_->kinds(); ++kind)
@@ -201,17 +208,16 @@ class Localization {
 
   void finish() {
     if (result_.search_cost) polish_and_judge();
-    StageSeconds stages;
-    for (const CandidateMaker& maker : makers_) {
-      stages += maker.seconds();
-      result_.stats.work += maker.work();
-    }
+    Effort effort;
+    for (const CandidateMaker& maker : makers_) effort += maker.effort();
+    result_.stats.work = effort.work;
     Seconds& seconds = result_.stats.seconds;
-    seconds.render = stages.render;
-    seconds.refine = stages.refine;
-    seconds.cost = stages.cost;
+    seconds.render = effort.seconds.render;
+    seconds.refine = effort.seconds.refine;
+    seconds.cost = effort.seconds.cost;
     seconds.total = watch_.seconds();
     result_.stats.threads = static_cast<int>(executor_.workers());
+    result_.stats.ranks = static_cast<int>(executor_.processes());
     result_.trace = log_.trace();
   }
 
@@ -248,6 +254,7 @@ Result localize(const Scene& scene, const Settings& settings, const Executor& ex
     describe_guarantee(scene, settings, result.guarantee);
     result.support = support_of(scene);
     result.stats.threads = static_cast<int>(executor.workers());
+    result.stats.ranks = static_cast<int>(executor.processes());
     result.stats.seconds.total = watch.seconds();
     return result;
   }

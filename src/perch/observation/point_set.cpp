@@ -51,6 +51,24 @@ void PointSet::insert_all(const PointSet& other) {
   for (std::size_t i = 0; i < other.words_.size(); ++i) words_[other.first_ + i] |= other.words_[i];
 }
 
+std::vector<Run> PointSet::runs() const {
+  std::vector<Run> runs;
+  for (std::size_t word = 0; word < words_.size(); ++word) {
+    std::uint64_t bits = words_[word];
+    for (unsigned at = 0; bits != 0;) {
+      const auto gap = static_cast<unsigned>(std::countr_zero(bits));
+      bits >>= gap;
+      at += gap;
+      const auto length = static_cast<unsigned>(std::countr_one(bits));
+      const auto first = static_cast<std::uint32_t>((first_ + word) * 64 + at);
+      append(runs, first, first + length);
+      bits = length == 64 ? 0 : bits >> length;
+      at += length;
+    }
+  }
+  return runs;
+}
+
 PointSet PointSet::trimmed() const {
   const auto used = [](std::uint64_t word) { return word != 0; };
   const auto begin = std::find_if(words_.begin(), words_.end(), used);

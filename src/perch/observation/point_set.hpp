@@ -37,6 +37,8 @@ class PointSet {
   void insert_all(const PointSet& other);
   /// The same set in as little memory as it needs.
   PointSet trimmed() const;
+  /// Its points, ascending.
+  std::vector<Run> runs() const;
   std::size_t bytes() const { return words_.size() * sizeof(std::uint64_t); }
 
  private:

@@ -188,38 +188,52 @@ void pass_on(Transport& transport, const Message& news) {
 
 }  // namespace
 
-void serve(Transport& transport, const Services& services, const Executor& executor) {
-  Workplace workplace(services, executor, transport.name());
-  ByteWriter hello;
-  hello.count(executor.workers());
-  transport.send(0, Tag::hello, hello.take());
+void serve(Transport& transport, const Services& services, const MakeExecutor& make_executor) {
+  std::unique_ptr<Executor> executor;
+  std::optional<Workplace> workplace;
   // What waits longer is asked for more rarely: an answer that is late by less than a portion takes costs
   // nothing, since the next portion is there already.
   Backoff idle(Backoff::Duration(1000)), busy(Backoff::Duration(200));
   for (;;) {
     bool moved = false;
-    while (auto reply = workplace.reply()) {
-      transport.send(0, reply->tag, std::move(reply->bytes));
-      moved = true;
-    }
+    if (workplace)
+      while (auto reply = workplace->reply()) {
+        transport.send(0, reply->tag, std::move(reply->bytes));
+        moved = true;
+      }
     if (auto message = transport.poll()) {
       moved = true;
+      ByteReader from = message->read();
       if (message->tag == Tag::quit) break;
-      if (message->tag == Tag::stop) {
-        ByteReader from = message->read();
-        workplace.stop(from.count());
+      if (message->tag == Tag::hello) {
+        workplace.reset();
+        executor = make_executor(from.count());
+        workplace.emplace(services, *executor, transport.name());
+        ByteWriter hello;
+        hello.count(executor->workers());
+        transport.send(0, Tag::hello, hello.take());
+      } else if (!workplace) {
+        throw std::logic_error("a message came before the first process said hello");
+      } else if (message->tag == Tag::stop) {
+        workplace->stop(from.count());
       } else {
         if (message->tag == Tag::news) pass_on(transport, *message);
-        workplace.add(std::move(*message));
+        workplace->add(std::move(*message));
       }
     }
     if (moved) {
       idle.reset();
       busy.reset();
     } else {
-      (workplace.busy() ? busy : idle).wait();
+      (workplace && workplace->busy() ? busy : idle).wait();
     }
   }
+  transport.flush();
+}
+
+void dismiss(Transport& transport) {
+  const auto nothing = std::make_shared<const Bytes>();
+  for (std::size_t p = 1; p < transport.size(); ++p) transport.send(p, Tag::quit, nothing);
   transport.flush();
 }
 

@@ -60,10 +60,13 @@ struct Outstanding {
 
 }  // namespace
 
-TeamExecutor::TeamExecutor(Transport& transport, std::unique_ptr<Executor> own)
+TeamExecutor::TeamExecutor(Transport& transport, std::unique_ptr<Executor> own, std::size_t threads)
     : team_(std::make_unique<Team>(transport, std::move(own))) {
+  ByteWriter hello;
+  hello.count(threads);
+  for (std::size_t p = 1; p < processes(); ++p) transport.send(p, Tag::hello, hello.bytes());
   Backoff backoff(longest_nap);
-  for (std::size_t missing = transport.size() - 1; missing > 0;) {
+  for (std::size_t missing = processes() - 1; missing > 0;) {
     if (const auto message = transport.poll()) {
       ByteReader from = message->read();
       team_->workers[message->from] = std::max<std::size_t>(1, from.count());
@@ -74,11 +77,7 @@ TeamExecutor::TeamExecutor(Transport& transport, std::unique_ptr<Executor> own)
   }
 }
 
-TeamExecutor::~TeamExecutor() {
-  const auto nothing = std::make_shared<const Bytes>();
-  for (std::size_t p = 1; p < processes(); ++p) team_->transport.send(p, Tag::quit, nothing);
-  team_->transport.flush();
-}
+TeamExecutor::~TeamExecutor() = default;
 
 std::size_t TeamExecutor::workers() const {
   return team_->own->workers();

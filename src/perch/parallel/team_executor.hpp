@@ -19,9 +19,9 @@ struct Traffic {
 /// threads, spread on those of all.
 class TeamExecutor final : public Executor {
  public:
-  /// Waits for the hello of each. Keeps a reference. \param own this process's threads.
-  TeamExecutor(Transport& transport, std::unique_ptr<Executor> own);
-  /// Lets the others end.
+  /// Waits until all are ready. Keeps a reference. \param own this process's threads. \param threads of each
+  /// other process; 0 = as many as it should have.
+  TeamExecutor(Transport& transport, std::unique_ptr<Executor> own, std::size_t threads);
   ~TeamExecutor() override;
 
   std::size_t workers() const override;

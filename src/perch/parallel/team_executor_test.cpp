@@ -83,15 +83,14 @@ class Team {
       : network_(size, link), services_(size) {
     for (std::size_t rank = 1; rank < size; ++rank) {
       services_[rank] = std::make_shared<Sum>();
-      others_.emplace_back([this, rank, threads] {
-        const auto executor = make_executor(threads);
-        serve(network_.of(rank), {{"sum", services_[rank]}}, *executor);
+      others_.emplace_back([this, rank] {
+        serve(network_.of(rank), {{"sum", services_[rank]}}, make_executor);
       });
     }
-    executor_ = std::make_unique<TeamExecutor>(network_.of(0), make_executor(threads));
+    executor_ = std::make_unique<TeamExecutor>(network_.of(0), make_executor(threads), threads);
   }
   ~Team() {
-    executor_.reset();
+    dismiss(network_.of(0));
     for (std::thread& other : others_) other.join();
   }
   const TeamExecutor& executor() const { return *executor_; }
