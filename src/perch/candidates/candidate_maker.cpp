@@ -11,8 +11,7 @@ CandidateMaker::CandidateMaker(const LocalizationProblem& problem)
 void CandidateMaker::render(std::size_t model, const Pose& pose, DepthPatch& patch) {
   const ThreadStopwatch watch;
   problem_.render(model, pose, rasterizer_, patch);
-  ++effort_.work.renderings;
-  effort_.work.pixels += std::int64_t{patch.window.width()} * patch.window.height();
+  effort_.work.add_rendering(patch.window);
   effort_.seconds.render += watch.seconds();
 }
 

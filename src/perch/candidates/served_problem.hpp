@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace perch {
 class ServedProblem {
  public:
   void set(std::unique_ptr<LocalizationProblem> problem, std::vector<CandidateMaker> makers) {
+    ++version_;
     makers_ = std::move(makers);
     problem_ = std::move(problem);
   }
@@ -20,6 +22,8 @@ class ServedProblem {
   /// Throws std::runtime_error where there is none.
   const LocalizationProblem& problem() const;
   CandidateMaker& maker(std::size_t worker) { return makers_[worker]; }
+  /// Another for each problem that is set.
+  std::uint64_t version() const { return version_; }
 
   /// Writes what the makers did since the last time; read_effort reads it.
   void write_effort(ByteWriter& to);
@@ -27,6 +31,7 @@ class ServedProblem {
   void forget_effort();
 
  private:
+  std::uint64_t version_ = 0;
   std::unique_ptr<LocalizationProblem> problem_;
   std::vector<CandidateMaker> makers_;  // of the problem
 };

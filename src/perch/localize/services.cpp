@@ -3,6 +3,7 @@
 #include "perch/candidates/candidate_batches.hpp"
 #include "perch/localize/packed_scene.hpp"
 #include "perch/localize/setup.hpp"
+#include "perch/tree/children_batch.hpp"
 
 namespace perch {
 namespace {
@@ -33,7 +34,8 @@ Services localization_services() {
   const auto served = std::make_shared<ServedProblem>();
   return {{problem_topic, std::make_shared<ProblemService>(served)},
           {RefineBatch::name, make_refine_service(served)},
-          {ValueBatch::name, make_value_service(served)}};
+          {ValueBatch::name, make_value_service(served)},
+          {ChildrenBatch::name, make_children_service(served)}};
 }
 
 void tell_problem(const Scene& scene, const Settings& settings, const Executor& executor) {

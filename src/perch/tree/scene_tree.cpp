@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <utility>
+
+#include "perch/tree/children_batch.hpp"
 
 namespace perch {
 
@@ -14,8 +17,8 @@ SceneTree::SceneTree(const LocalizationProblem& problem, CandidateSet& set,
       makers_(makers),
       executor_(executor),
       settings_(settings),
-      in_context_(in_context) {
-  settings_.check();
+      in_context_(in_context),
+      valuation_(problem, settings, in_context) {
   if (!in_context) {
     cover_bound_.emplace(set, problem.kinds());
     return;
@@ -57,32 +60,16 @@ SceneTree::State SceneTree::root() const {
 }
 
 SceneTree::Parent SceneTree::make_parent(const State& state) const {
-  const Observation& observation = problem_.observation();
   Parent parent;
-  parent.composite = problem_.cost().empty();
-  parent.covered = parent.enclosed = PointSet(observation.size());
   parent.remaining = problem_.copies();
   parent.lagrangian = reduced_costs_.base();
-  CandidateMaker& maker = makers_.front();
+  std::vector<const Candidate*> placed;
   for (const CandidateId id : state.placed) {
-    const Candidate& candidate = set_[id];
-    maker.add(parent.composite, candidate);
-    parent.covered.insert_all(candidate.explained);
-    parent.enclosed.insert_all(candidate.enclosed);
+    placed.push_back(&set_[id]);
     --parent.remaining[set_.kind(id)];
     if (upper_bound_) parent.lagrangian += reduced_costs_.reduced_cost(id);
   }
-  parent.left_after = static_cast<int>(problem_.object_count() - state.placed.size()) - 1;
-  const DepthPatch& depth = parent.composite.depth;
-  const float reach = static_cast<float>(parent.left_after * settings_.depth_tolerance);
-  parent.charged.assign(depth.depth.size(), 0);
-  for (int v = depth.window.v0; v < depth.window.v1; ++v)
-    for (int u = depth.window.u0; u < depth.window.u1; ++u) {
-      const float z = depth.at(u, v);
-      if (!(z < no_surface) || !problem_.cost().index().unexplained_throughout(u, v, z, reach)) continue;
-      parent.charged[depth.index(u, v)] = 1;
-      ++parent.charged_count;
-    }
+  parent.scene = valuation_.parent(std::move(placed), makers_.front());
   return parent;
 }
 
@@ -128,25 +115,14 @@ Expansion<SceneState> SceneTree::expand(const State& state, const StopCondition&
   const Parent parent = make_parent(state);
   const std::vector<Hypothesis> hypotheses = hypotheses_of(parent);
   std::vector<Child> children(hypotheses.size());
-  expansion.complete = executor_.for_each(
-      hypotheses.size(),
-      [&](std::size_t i, std::size_t worker) {
-        CandidateMaker& maker = makers_[worker];
-        const Hypothesis& hypothesis = hypotheses[i];
-        if (!in_context_ || hypothesis.grid < 0) {
-          children[i].id = hypothesis.id;
-          value(state, parent, set_[hypothesis.id], maker, children[i]);
-          if (upper_bound_ && parent.left_after > 0)
-            children[i].bound = std::max(children[i].bound, lagrangian_with(parent, hypothesis.id));
-          return;
-        }
-        std::optional<Candidate>& made = children[i].made;
-        made = make_in_context(hypothesis, parent.composite.depth, maker);
-        if (!made) return;
-        value(state, parent, *made, maker, children[i]);
-        made->patch = {};  // too many are made in context to keep their renderings
-      },
-      stop);
+  expansion.complete = in_context_
+                           ? value_in_context(parent, hypotheses, stop, children)
+                           : executor_.for_each(
+                                 hypotheses.size(),
+                                 [&](std::size_t i, std::size_t worker) {
+                                   value_fixed(parent, hypotheses[i].id, makers_[worker], children[i]);
+                                 },
+                                 stop);
   if (const auto guided = guided_.find(state.placed); guided != guided_.end()) {
     hypotheses_ -= guided->second;
     guided_.erase(guided);
@@ -154,20 +130,64 @@ Expansion<SceneState> SceneTree::expand(const State& state, const StopCondition&
   if (in_context_)
     hypotheses_ += std::count_if(hypotheses.begin(), hypotheses.end(),
                                  [](const Hypothesis& hypothesis) { return hypothesis.grid >= 0; });
-  for (Child& child : children)
-    if (auto next = add_child(state, std::move(child))) {
+  for (std::size_t i = 0; i < children.size(); ++i)
+    if (auto next = add_child(state, hypotheses[i], std::move(children[i]))) {
       const auto cost = static_cast<double>(next->cost - state.cost);
       expansion.edges.push_back({std::move(*next), cost});
     }
   return expansion;
 }
 
+void SceneTree::value_fixed(const Parent& parent, CandidateId id, CandidateMaker& maker, Child& child) const {
+  const ChildValuation::Value value = valuation_.value(parent.scene, set_[id], maker);
+  child.id = id;
+  child.valid = value.valid;
+  child.cost = child.bound = value.cost;
+  if (!value.valid || parent.scene.left_after == 0) return;
+  if (cover_bound_) {
+    std::vector<int> remaining = parent.remaining;
+    --remaining[set_.kind(id)];
+    const std::int64_t observed = (*cover_bound_)(value.covered, problem_.cost().charged_points(), remaining);
+    child.bound = std::max(child.bound, value.rendered + observed);
+  }
+  if (upper_bound_) child.bound = std::max(child.bound, lagrangian_with(parent, id));
+}
+
+bool SceneTree::value_in_context(const Parent& parent, const std::vector<Hypothesis>& hypotheses,
+                                 const StopCondition& stop, std::vector<Child>& children) {
+  std::vector<ChildrenBatch::Hypothesis> asked;
+  for (const Hypothesis& hypothesis : hypotheses) {
+    const bool left_out = hypothesis.grid < 0;
+    asked.push_back({hypothesis.model, hypothesis.grid, !left_out && lone(hypothesis).made,
+                     !left_out && lone(hypothesis).id.has_value()});
+  }
+  ChildrenBatch batch(problem_, settings_, parent.scene, std::move(asked), valuation_, makers_);
+  const bool complete = executor_.spread(batch, stop);
+  makers_.front().credit(batch.effort_elsewhere);
+  for (std::size_t i = 0; i < children.size(); ++i) {
+    ChildrenBatch::Child& answer = batch.children[i];
+    Child& child = children[i];
+    child.id = hypotheses[i].id;
+    child.valid = answer.valid;
+    child.cost = child.bound = answer.cost;
+    child.as_alone = answer.as_alone;
+    child.made = std::move(answer.made);
+    if (!child.as_alone) continue;
+    Lone& alone = lone(hypotheses[i]);
+    if (std::exchange(alone.made, true)) ++reused_;
+    if (!child.made && alone.id) child.id = *alone.id;
+  }
+  return complete;
+}
+
 /// Empty where the child is not valid.
-std::optional<SceneState> SceneTree::add_child(const State& state, Child child) {
+std::optional<SceneState> SceneTree::add_child(const State& state, const Hypothesis& hypothesis,
+                                               Child child) {
   if (!child.valid) return std::nullopt;
   if (child.made) {
     child.id = set_.add(std::move(*child.made));
     with_volumes_ = set_.size();  // made in context, they come with theirs
+    if (child.as_alone) lone(hypothesis).id = child.id;
   }
   State next;
   next.placed = state.placed;
@@ -223,6 +243,7 @@ std::optional<SceneState> SceneTree::best_child(const State& state,
   CandidateMaker& maker = makers_.front();
   const Parent parent = make_parent(state);
   Child best;
+  const Hypothesis* chosen = &hypotheses.front();
   std::int64_t least = std::numeric_limits<std::int64_t>::max();
   for (const Hypothesis& hypothesis : hypotheses) {
     Child child;
@@ -230,93 +251,27 @@ std::optional<SceneState> SceneTree::best_child(const State& state,
     if (hypothesis.grid >= 0) {
       ++hypotheses_;
       ++guided_[state.placed];
-      child.made = make_in_context(hypothesis, parent.composite.depth, maker);
-      if (!child.made) continue;
+      Lone& alone = lone(hypothesis);
+      auto made =
+          valuation_.make(hypothesis.model, hypothesis.grid, alone.made, parent.scene.composite.depth, maker);
+      child.as_alone = made.as_alone;
+      if (made.as_alone && std::exchange(alone.made, true)) ++reused_;
+      if (!made.candidate) continue;
+      child.made = std::move(made.candidate);
     }
     const Candidate& candidate = child.made ? *child.made : set_[child.id];
-    value(state, parent, candidate, maker, child);
+    const ChildValuation::Value value = valuation_.value(parent.scene, candidate, maker);
+    child.valid = value.valid;
+    child.cost = child.bound = value.cost;
     if (!child.valid) continue;
-    const auto cost = maker.cost_with(parent.composite, candidate, least - 1);
+    const auto cost = maker.cost_with(parent.scene.composite, candidate, least - 1);
     if (child.made) child.made->patch = {};
     if (!cost) continue;
     least = *cost;
     best = std::move(child);
+    chosen = &hypothesis;
   }
-  return add_child(state, std::move(best));
-}
-
-/// Lazily: where the parent hides nothing that making the hypothesis looks at, it is what it is alone, to the
-/// bit, and so is the value of its edge but for the composition. Only the others are refined and rendered
-/// again.
-std::optional<Candidate> SceneTree::make_in_context(const Hypothesis& hypothesis, const DepthPatch& in_front,
-                                                    CandidateMaker& maker) {
-  const Pose grid_pose = problem_.grid(hypothesis.model).pose(hypothesis.grid);
-  Lone& lone = lone_[hypothesis.model][static_cast<std::size_t>(hypothesis.grid)];
-  const auto changed_by = [&](const Sight& seen) {
-    const Window common = intersection(seen.window, in_front.window);
-    for (int v = common.v0; v < common.v1; ++v)
-      for (int u = common.u0; u < common.u1; ++u)
-        if (in_front.at(u, v) < seen.farthest) return true;
-    return false;
-  };
-  if (lazy_ && lone.made && !changed_by(lone.seen)) {
-    reused_.fetch_add(1, std::memory_order_relaxed);
-    return lone.candidate;
-  }
-  std::optional<Candidate> made = maker.make(hypothesis.model, grid_pose, &in_front);
-  if (made) maker.add_volumes(*made);
-  if (lazy_ && !lone.made && !changed_by(maker.seen())) {
-    lone = {made, maker.seen(), true};
-    if (lone.candidate) lone.candidate->patch = {};
-  }
-  return made;
-}
-
-bool SceneTree::collides(const Candidate& candidate, const State& state) const {
-  return std::any_of(state.placed.begin(), state.placed.end(),
-                     [&](CandidateId id) { return problem_.collide(candidate, set_[id]); });
-}
-
-void SceneTree::value(const State& state, const Parent& parent, const Candidate& candidate,
-                      CandidateMaker& maker, Child& child) const {
-  const DepthPatch& patch = maker.patch(candidate);
-  if (!keeps_monotone(problem_.cost(), parent.composite.depth, patch, settings_) ||
-      collides(candidate, state))
-    return;
-  child.valid = true;
-  if (parent.left_after == 0) {
-    // The last edge takes the rest, the residual of the paper included.
-    child.cost = child.bound = *maker.cost_with(parent.composite, patch);
-    return;
-  }
-  const std::int64_t rendered = std::max<std::int64_t>(
-      0, charged_with(parent, patch) - std::int64_t{parent.left_after} * settings_.pixel_tolerance);
-  PointSet covered = parent.covered, enclosed = parent.enclosed;
-  covered.insert_all(candidate.explained);
-  enclosed.insert_all(candidate.enclosed);
-  const auto observed = static_cast<std::int64_t>(enclosed.count_not_in(covered));
-  child.cost = child.bound = rendered + observed;
-  if (!cover_bound_) return;
-  std::vector<int> remaining = parent.remaining;
-  --remaining[problem_.kind_of(candidate.model)];
-  child.bound =
-      rendered + std::max(observed, (*cover_bound_)(covered, problem_.cost().charged_points(), remaining));
-}
-
-std::int64_t SceneTree::charged_with(const Parent& parent, const DepthPatch& patch) const {
-  const DepthPatch& depth = parent.composite.depth;
-  const float reach = static_cast<float>(parent.left_after * settings_.depth_tolerance);
-  std::int64_t charged = parent.charged_count;
-  for (int v = patch.window.v0; v < patch.window.v1; ++v)
-    for (int u = patch.window.u0; u < patch.window.u1; ++u) {
-      const float z = patch.at(u, v);
-      if (!(z < no_surface)) continue;
-      const float hidden = depth.at_or_none(u, v);
-      if (!(z < hidden) || !problem_.cost().counts_at(u, v, z)) continue;
-      if (hidden < no_surface) charged -= parent.charged[depth.index(u, v)];
-      charged += problem_.cost().index().unexplained_throughout(u, v, z, reach);
-    }
-  return charged;
+  return add_child(state, *chosen, std::move(best));
 }
 
 SceneTree::State SceneTree::state_of(std::vector<CandidateId> placed) const {

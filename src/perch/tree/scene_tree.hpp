@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "perch/candidates/lagrangian_bound.hpp"
 #include "perch/candidates/priors.hpp"
 #include "perch/search/search_problem.hpp"
+#include "perch/tree/child_valuation.hpp"
 #include "perch/tree/monotone.hpp"
 #include "perch/tree/scene_state.hpp"
 
@@ -74,32 +74,27 @@ class SceneTree {
   /// Of these, the ones that the parent did not change: taken from when they stood alone, without ICP.
   std::int64_t reused() const { return reused_; }
   /// In context: refines and values every hypothesis anew, as a check.
-  void forget_lone_hypotheses() { lazy_ = false; }
+  void forget_lone_hypotheses() { valuation_.forget_lone(); }
   const CandidateSet& candidates() const { return set_; }
 
  private:
-  /// A hypothesis of the tree in context as it is without a parent scene.
-  struct Lone {
-    std::optional<Candidate> candidate;
-    Sight seen;
-    bool made = false;
-  };
   /// What all children of a state share.
   struct Parent {
-    Composite composite;
-    PointSet covered;                   ///< points of I that some placed candidate alone explains
-    PointSet enclosed;                  ///< V_s
-    std::vector<int> remaining;         ///< copies left of each kind
-    std::vector<std::uint8_t> charged;  ///< pixels of the composite that count in C_r of a child
-    std::int64_t charged_count = 0;
+    ParentScene scene;
+    std::vector<int> remaining;           ///< copies left of each kind
     ReducedCosts::Weight lagrangian = 0;  ///< the Lagrangian bound with what is placed
-    int left_after = 0;                   ///< objects that remain to be placed after a child
+  };
+  /// What is known of a hypothesis of the tree in context as it is alone.
+  struct Lone {
+    bool made = false;
+    std::optional<CandidateId> id;  ///< where it was the candidate of a child
   };
   struct Child {
-    std::optional<Candidate> made;  ///< in context: the candidate, not yet in the set
+    std::optional<Candidate> made;  ///< in context: the candidate, where not yet in the set
     CandidateId id = 0;
     std::int64_t cost = 0, bound = 0;
     bool valid = false;
+    bool as_alone = false;
   };
   struct Hypothesis {
     std::size_t model;
@@ -113,14 +108,14 @@ class SceneTree {
   Parent make_parent(const State& state) const;
   std::vector<Hypothesis> hypotheses_of(const Parent& parent) const;
   std::int64_t lagrangian_with(const Parent& parent, CandidateId id) const;
-  std::optional<Candidate> make_in_context(const Hypothesis& hypothesis, const DepthPatch& in_front,
-                                           CandidateMaker& maker);
-  bool collides(const Candidate& candidate, const State& state) const;
-  void value(const State& state, const Parent& parent, const Candidate& candidate, CandidateMaker& maker,
-             Child& child) const;
-  std::int64_t charged_with(const Parent& parent, const DepthPatch& patch) const;
+  void value_fixed(const Parent& parent, CandidateId id, CandidateMaker& maker, Child& child) const;
+  bool value_in_context(const Parent& parent, const std::vector<Hypothesis>& hypotheses,
+                        const StopCondition& stop, std::vector<Child>& children);
+  Lone& lone(const Hypothesis& hypothesis) {
+    return lone_[hypothesis.model][static_cast<std::size_t>(hypothesis.grid)];
+  }
   bool add_volumes(const StopCondition& stop);
-  std::optional<State> add_child(const State& state, Child child);
+  std::optional<State> add_child(const State& state, const Hypothesis& hypothesis, Child child);
   std::vector<Hypothesis> near(const PriorPose& prior) const;
   std::optional<State> best_child(const State& state, const std::vector<Hypothesis>& hypotheses);
 
@@ -138,9 +133,9 @@ class SceneTree {
   std::int64_t hypotheses_ = 0;
   /// Of these, valued for the priors, by what was placed: the expansion of that state has them too.
   std::map<std::vector<CandidateId>, std::int64_t> guided_;
-  bool lazy_ = true;
+  ChildValuation valuation_;
   std::vector<std::vector<Lone>> lone_;  ///< in context, of each body and grid pose
-  std::atomic<std::int64_t> reused_ = 0;
+  std::int64_t reused_ = 0;
 };
 
 }  // namespace perch
