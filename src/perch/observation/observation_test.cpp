@@ -7,6 +7,7 @@
 #include "perch/core/error.hpp"
 #include "perch/core/random.hpp"
 #include "perch/observation/nearest_table.hpp"
+#include "perch/observation/packed_runs.hpp"
 #include "perch/observation/point_set.hpp"
 
 namespace perch {
@@ -114,6 +115,31 @@ TEST(PointSet, CountsLikeASetOfNumbers) {
       ASSERT_EQ(set_b.contains(i), a[i] || b[i]);
     }
     EXPECT_LE(trimmed.bytes(), (last - first + 63) / 64 * 8 + 8);
+  }
+}
+
+TEST(PointSet, GoesToAnotherProcessAsRuns) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    Random random(seed);
+    const std::size_t n = 1 + random.below(900);
+    PointSet set(n);
+    bool inside = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (random.uniform() < 0.02) inside = !inside;
+      if (inside || random.uniform() < 0.01) set.insert(i);
+    }
+    ByteWriter to;
+    write_runs(to, set.trimmed().runs());
+    ByteReader from(to.bytes());
+    const PointSet again(read_runs(from));
+    EXPECT_TRUE(from.done());
+    for (std::size_t i = 0; i < n; ++i) ASSERT_EQ(again.contains(i), set.contains(i)) << i;
+    // What is cut off is noticed.
+    Bytes cut = to.take();
+    cut.pop_back();
+    ByteReader short_one(cut);
+    EXPECT_THROW(read_runs(short_one), std::runtime_error);
   }
 }
 
