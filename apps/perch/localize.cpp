@@ -83,8 +83,9 @@ void print_table(const Scene& scene, const Result& result) {
   if (result.has_bound())
     fmt::print("search cost {}, lower bound {}, suboptimality bound {}\n", *result.search_cost,
                result.lower_bound, bound ? fmt::format("{:.3f}", *bound) : std::string("none"));
-  fmt::print("{} hypotheses, {} expansions, {:.2f} s on {} threads\n", result.stats.rendered,
-             result.stats.expanded, result.stats.seconds.total, result.stats.threads);
+  fmt::print("{} hypotheses, {} expansions, {:.2f} s on {} threads{}\n", result.stats.rendered,
+             result.stats.expanded, result.stats.seconds.total, result.stats.threads,
+             result.stats.ranks > 1 ? fmt::format(" a rank, {} ranks", result.stats.ranks) : std::string());
   std::size_t width = 6;
   const auto label = [](const ObjectResult& object) {
     return object.rest_pose ? fmt::format("{}, rest pose {}", object.model, *object.rest_pose) : object.model;

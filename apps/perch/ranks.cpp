@@ -56,6 +56,11 @@ std::size_t own_processors(std::size_t on_this_machine) {
   return std::max<std::size_t>(1, bound ? own : own / on_this_machine);
 }
 
+/// What messages hold lies in memory as this program was compiled.
+std::string program() {
+  return fmt::format("perch {} with settings of {} bytes", PERCH_VERSION, sizeof(Settings));
+}
+
 }  // namespace
 
 struct Ranks::Job {
@@ -88,15 +93,16 @@ bool Ranks::serves() const {
 }
 
 void Ranks::serve() {
-  perch::serve(job_->transport, localization_services(),
-               [&](std::size_t threads) { return job_->own_executor(threads); });
+  perch::serve(
+      job_->transport, localization_services(),
+      [&](std::size_t threads) { return job_->own_executor(threads); }, program());
 }
 
 std::unique_ptr<Executor> Ranks::executor(std::size_t threads) const {
   if (!job_) return make_executor(threads);
   auto own = job_->own_executor(threads);
   if (job_->transport.size() == 1) return own;
-  return std::make_unique<TeamExecutor>(job_->transport, std::move(own), threads);
+  return std::make_unique<TeamExecutor>(job_->transport, std::move(own), threads, program());
 }
 
 void Ranks::abort(int status) const {

@@ -188,7 +188,8 @@ void pass_on(Transport& transport, const Message& news) {
 
 }  // namespace
 
-void serve(Transport& transport, const Services& services, const MakeExecutor& make_executor) {
+void serve(Transport& transport, const Services& services, const MakeExecutor& make_executor,
+           const std::string& program) {
   std::unique_ptr<Executor> executor;
   std::optional<Workplace> workplace;
   // What waits longer is asked for more rarely: an answer that is late by less than a portion takes costs
@@ -211,6 +212,8 @@ void serve(Transport& transport, const Services& services, const MakeExecutor& m
         workplace.emplace(services, *executor, transport.name());
         ByteWriter hello;
         hello.count(executor->workers());
+        hello.text(program);
+        hello.text(transport.name());
         transport.send(0, Tag::hello, hello.take());
       } else if (!workplace) {
         throw std::logic_error("a message came before the first process said hello");

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "perch/core/error.hpp"
 #include "perch/core/stopwatch.hpp"
 #include "perch/parallel/hand_out.hpp"
 #include "perch/parallel/portion.hpp"
@@ -60,7 +61,8 @@ struct Outstanding {
 
 }  // namespace
 
-TeamExecutor::TeamExecutor(Transport& transport, std::unique_ptr<Executor> own, std::size_t threads)
+TeamExecutor::TeamExecutor(Transport& transport, std::unique_ptr<Executor> own, std::size_t threads,
+                           const std::string& program)
     : team_(std::make_unique<Team>(transport, std::move(own))) {
   ByteWriter hello;
   hello.count(threads);
@@ -70,6 +72,9 @@ TeamExecutor::TeamExecutor(Transport& transport, std::unique_ptr<Executor> own, 
     if (const auto message = transport.poll()) {
       ByteReader from = message->read();
       team_->workers[message->from] = std::max<std::size_t>(1, from.count());
+      if (const std::string other = from.text(); other != program)
+        throw InputError(from.text() + " runs " + other + ", the first process " + program +
+                         "; install the same program on all machines");
       --missing;
     } else {
       backoff.wait();

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "perch/parallel/executor.hpp"
 #include "perch/parallel/transport.hpp"
@@ -20,8 +21,10 @@ struct Traffic {
 class TeamExecutor final : public Executor {
  public:
   /// Waits until all are ready. Keeps a reference. \param own this process's threads. \param threads of each
-  /// other process; 0 = as many as it should have.
-  TeamExecutor(Transport& transport, std::unique_ptr<Executor> own, std::size_t threads);
+  /// other process; 0 = as many as it should have. \param program as serve() is told. Throws InputError where
+  /// another process is of another one.
+  TeamExecutor(Transport& transport, std::unique_ptr<Executor> own, std::size_t threads,
+               const std::string& program);
   ~TeamExecutor() override;
 
   std::size_t workers() const override;

@@ -84,10 +84,10 @@ class Team {
     for (std::size_t rank = 1; rank < size; ++rank) {
       services_[rank] = std::make_shared<Sum>();
       others_.emplace_back([this, rank] {
-        serve(network_.of(rank), {{"sum", services_[rank]}}, make_executor);
+        serve(network_.of(rank), {{"sum", services_[rank]}}, make_executor, "sums");
       });
     }
-    executor_ = std::make_unique<TeamExecutor>(network_.of(0), make_executor(threads), threads);
+    executor_ = std::make_unique<TeamExecutor>(network_.of(0), make_executor(threads), threads, "sums");
   }
   ~Team() {
     dismiss(network_.of(0));
@@ -185,6 +185,20 @@ TEST(TeamExecutor, PassesOnWhatGoesWrongHereAndElsewhere) {
   EXPECT_THROW(team.executor().spread(told, StopCondition()), InputError);
   SumBatch after(10, 0, 3);
   EXPECT_TRUE(team.executor().spread(after, StopCondition()));
+}
+
+TEST(TeamExecutor, RefusesOtherPrograms) {
+  LocalNetwork network(2);
+  std::thread other([&] { serve(network.of(1), {}, make_executor, "sums 2"); });
+  try {
+    const TeamExecutor team(network.of(0), make_executor(1), 1, "sums 1");
+    ADD_FAILURE() << "no exception";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "rank 1 runs sums 2, the first process sums 1; install the same program on all machines");
+  }
+  dismiss(network.of(0));
+  other.join();
 }
 
 TEST(TeamExecutor, SpreadsWhatTakesLongOverAll) {

@@ -14,7 +14,7 @@ namespace perch {
 
 /// What a message between processes is.
 enum class Tag : std::uint8_t {
-  hello,    ///< from the first process: how many threads to use; to it: how many are used
+  hello,    ///< from the first process: how many threads to use; to it: how many are used, by which program
   news,     ///< what Executor::tell says; passed on from process to process
   portion,  ///< items of a batch to work on
   stop,     ///< give up what is left of a batch
