@@ -13,6 +13,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -86,9 +87,11 @@ inline std::ostream& operator<<(std::ostream& stream, const Outcome& outcome) {
                 << "\nstderr: " << outcome.err;
 }
 
-/// Runs the program in `folder`; what it writes to stdout and stderr passes through files elsewhere.
-inline Outcome run_program(const fs::path& folder, const Arguments& arguments,
-                           std::chrono::seconds limit = std::chrono::seconds(120)) {
+/// Runs a command, a program and its arguments, in `folder`; what it writes to stdout and stderr passes
+/// through files elsewhere. \param meanwhile called again and again while it runs.
+inline Outcome run_command(
+    const fs::path& folder, Arguments command, std::chrono::seconds limit = std::chrono::seconds(120),
+    const std::function<void()>& meanwhile = [] {}) {
   const TemporaryFolder aside;
   const std::string out = (aside.path() / "out").string(), err = (aside.path() / "err").string();
   posix_spawn_file_actions_t actions;
@@ -97,13 +100,11 @@ inline Outcome run_program(const fs::path& folder, const Arguments& arguments,
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT, 0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), O_WRONLY | O_CREAT, 0600);
   posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  Arguments all{PERCH_PROGRAM};
-  all.insert(all.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
-  for (std::string& argument : all) argv.push_back(argument.data());
+  for (std::string& argument : command) argv.push_back(argument.data());
   argv.push_back(nullptr);
   pid_t pid = 0;
-  const int failed = posix_spawn(&pid, PERCH_PROGRAM, &actions, nullptr, argv.data(), environ);
+  const int failed = posix_spawnp(&pid, argv.front(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0) throw std::runtime_error("the program can't be started");
 
@@ -115,6 +116,7 @@ inline Outcome run_program(const fs::path& folder, const Arguments& arguments,
       waitpid(pid, &ended, 0);
       break;
     }
+    meanwhile();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   Outcome outcome;
@@ -123,6 +125,14 @@ inline Outcome run_program(const fs::path& folder, const Arguments& arguments,
   outcome.out = bytes_of(out);
   outcome.err = bytes_of(err);
   return outcome;
+}
+
+/// Runs the program in `folder`.
+inline Outcome run_program(const fs::path& folder, const Arguments& arguments,
+                           std::chrono::seconds limit = std::chrono::seconds(120)) {
+  Arguments command{PERCH_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return run_command(folder, std::move(command), limit);
 }
 
 /// Two objects on a table at 160 x 120 pixels.
