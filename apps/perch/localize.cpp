@@ -103,6 +103,21 @@ void print_table(const Scene& scene, const Result& result) {
                  object.confidence ? fmt::format("{:.2f}", *object.confidence) : std::string("-"));
 }
 
+namespace {
+
+void print_traffic(const Traffic& before, const Traffic& after) {
+  const std::uint64_t messages = after.messages - before.messages, items = after.items - before.items,
+                      news = after.news_bytes - before.news_bytes, bytes = after.bytes - before.bytes - news;
+  if (items == 0) return;
+  const auto each = [&](std::uint64_t n) { return static_cast<double>(n) / static_cast<double>(items); };
+  fmt::print(
+      "to and from the other ranks: {} questions, {:.0f} bytes and {:.3f} messages each; the problem {:.1f} "
+      "MB\n",
+      items, each(bytes), each(messages), 1e-6 * static_cast<double>(news));
+}
+
+}  // namespace
+
 Result localize_with_progress(const Scene& scene, const Settings& settings, const Executor& executor,
                               const StopCondition& stop, bool quiet, const std::string& blamed) {
   ProgressLine progress(quiet);
@@ -158,10 +173,14 @@ int localize_scenes(const LocalizeOptions& options, const Ranks& ranks) {
     const StopCondition stop = StopCondition::after(left);
     const Scene scene =
         n == 1 ? std::move(*read) : read_inputs(options.scenes[i], options, settings, *executor);
+    const Traffic before = executor->traffic();
     const Result result =
         localize_with_progress(scene, settings, *executor, stop, options.quiet, options.scenes[i]);
     if (!options.output.empty()) write_outputs(scene, result, settings, *executor, output_of(i, scene));
-    if (!options.quiet) print_table(scene, result);
+    if (!options.quiet) {
+      print_table(scene, result);
+      print_traffic(before, executor->traffic());
+    }
     if (result.status == Status::infeasible)
       fmt::print(stderr, "perch: {}: no solution: {}\n", scene.name, result.reason);
     status = std::max(status, exit_status(result.status));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -11,6 +12,13 @@
 #include "perch/parallel/batch.hpp"
 
 namespace perch {
+
+/// What passed between this process and others so far, both ways.
+struct Traffic {
+  std::uint64_t messages = 0, bytes = 0;
+  std::uint64_t news_bytes = 0;  ///< of these: told to all
+  std::uint64_t items = 0;       ///< of batches, worked on in other processes
+};
 
 /// Runs "evaluate this batch": the body once for every index of a batch. A body writes its result to the
 /// place of its index, so that what comes out doesn't depend on who ran it or when.
@@ -33,6 +41,7 @@ class Executor {
   /// Lets the services of this topic in all other processes hear something, before any batch that is spread
   /// later.
   virtual void tell(const std::string& /*topic*/, Bytes /*what*/) const {}
+  virtual Traffic traffic() const { return {}; }
 };
 
 /// One after the other, in index order.

@@ -104,8 +104,10 @@ void TeamExecutor::tell(const std::string& topic, Bytes what) const {
   to.raw(what.data(), what.size());
   ++team_->news;
   const auto bytes = std::make_shared<const Bytes>(to.take());
-  team_->traffic.news_bytes += bytes->size() * (processes() - 1);
-  for (std::size_t step = 1; step < processes(); step *= 2) team_->send(step, Tag::news, bytes);
+  for (std::size_t step = 1; step < processes(); step *= 2) {
+    team_->traffic.news_bytes += bytes->size();
+    team_->send(step, Tag::news, bytes);
+  }
 }
 
 namespace {

@@ -9,13 +9,6 @@
 
 namespace perch {
 
-/// What passed between processes, both ways.
-struct Traffic {
-  std::uint64_t messages = 0, bytes = 0;
-  std::uint64_t news_bytes = 0;  ///< of these: told to all, counted once for each process
-  std::uint64_t items = 0;       ///< worked on in other processes
-};
-
 /// The first of several processes, which runs the program; the others serve() it. for_each runs on its own
 /// threads, spread on those of all.
 class TeamExecutor final : public Executor {
@@ -33,7 +26,7 @@ class TeamExecutor final : public Executor {
   bool spread(Batch& batch, const StopCondition& stop) const override;
   std::size_t processes() const override;
   void tell(const std::string& topic, Bytes what) const override;
-  Traffic traffic() const;
+  Traffic traffic() const override;
 
  private:
   struct Team;
