@@ -14,6 +14,10 @@ target_compile_options(perch_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-psa
 if(PERCH_UNITY)
   # What is local to one source would shadow what is local to another.
   target_compile_options(perch_options INTERFACE -Wno-shadow)
+  # The sources are few: memory is there to be used, and collecting it takes time.
+  target_compile_options(perch_options INTERFACE
+                         $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=300>
+                         $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=500000>)
 endif()
 if(PERCH_WERROR)
   target_compile_options(perch_options INTERFACE -Werror)
