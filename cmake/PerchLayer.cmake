@@ -14,6 +14,10 @@ target_compile_options(perch_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-psa
 if(PERCH_UNITY)
   # What is local to one source would shadow what is local to another.
   target_compile_options(perch_options INTERFACE -Wno-shadow)
+  # The sources are few: memory is there to be used, and collecting it takes time.
+  target_compile_options(perch_options INTERFACE
+                         $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=300>
+                         $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=500000>)
 endif()
 if(PERCH_WERROR)
   target_compile_options(perch_options INTERFACE -Werror)
@@ -58,7 +62,7 @@ function(perch_layer name)
     set(scope PUBLIC)
     target_link_libraries(perch_${name} PRIVATE $<BUILD_INTERFACE:perch_options> ${L_PRIVATE_LINK})
     target_precompile_headers(perch_${name} REUSE_FROM perch_precompiled)
-    set_target_properties(perch_${name} PROPERTIES UNITY_BUILD ${PERCH_UNITY})
+    set_target_properties(perch_${name} PROPERTIES UNITY_BUILD ${PERCH_UNITY} UNITY_BUILD_BATCH_SIZE 0)
     set_source_files_properties(${L_KERNELS} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   else()
     add_library(perch_${name} INTERFACE)
@@ -83,7 +87,7 @@ function(perch_test target)
     set(T_TIMEOUT 300)
   endif()
   add_executable(${target} ${T_SOURCES})
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${PERCH_UNITY})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${PERCH_UNITY} UNITY_BUILD_BATCH_SIZE 0)
   if(T_PLAIN)
     target_precompile_headers(${target} REUSE_FROM perch_precompiled_plain_tests)
     target_compile_options(${target} PRIVATE ${PERCH_PLAIN_TEST_OPTIONS})

@@ -23,6 +23,7 @@ namespace {
 
 using std::numbers::pi;
 constexpr double delta = 0.005;
+constexpr double negligible = 0.005;  // share of pixels, at outlines
 
 std::vector<SceneModel> all_models() {
   std::vector<SceneModel> models;
@@ -77,7 +78,8 @@ class Views {
   Intrinsics intrinsics_{480, 480, 525, 525, 239.5, 239.5};
 };
 
-/// The worst of a few views: the share of rendered points beyond a distance.
+/// The share of rendered points beyond a distance in the worst of a few views, or in the first where it is
+/// not negligible.
 double worst_share_beyond(const Mesh& mesh, double turn, double distance) {
   const Views views(mesh);
   double worst = 0.0;
@@ -87,6 +89,7 @@ double worst_share_beyond(const Mesh& mesh, double turn, double distance) {
       const auto beyond = d.end() - std::upper_bound(d.begin(), d.end(), static_cast<float>(distance));
       worst = std::max(worst,
                        static_cast<double>(beyond) / static_cast<double>(std::max<std::size_t>(1, d.size())));
+      if (worst > negligible) return worst;  // drawing takes long, and one view tells shapes apart
     }
   return worst;
 }
@@ -98,15 +101,15 @@ TEST(SymmetrySearch, RenderingsExplainEachOtherWhereItIsFoundAndElseDoNot) {
     EXPECT_EQ(found.name(), model.symmetry.name());
     if (found.is_continuous()) {
       for (const double turn : {0.7, 2.3})
-        EXPECT_LE(worst_share_beyond(model.mesh, turn, delta), 0.005) << turn;
+        EXPECT_LE(worst_share_beyond(model.mesh, turn, delta), negligible) << turn;
       continue;
     }
     if (found.fold() > 1) {
-      EXPECT_LE(worst_share_beyond(model.mesh, found.period(), delta), 0.005);
+      EXPECT_LE(worst_share_beyond(model.mesh, found.period(), delta), negligible);
     }
     // Surfaces lie no farther apart than renderings of them.
     const double next = found.fold() == 1 ? pi : 0.5 * found.period();
-    EXPECT_GT(worst_share_beyond(model.mesh, next, 0.45 * delta), 0.005) << "twice as fine is as good";
+    EXPECT_GT(worst_share_beyond(model.mesh, next, 0.45 * delta), negligible) << "twice as fine is as good";
   }
 }
 

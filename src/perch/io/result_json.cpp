@@ -5,17 +5,17 @@
 namespace perch {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 template <typename T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
+OrderedJson or_null(const std::optional<T>& value) {
+  return value ? OrderedJson(*value) : OrderedJson(nullptr);
 }
 
-Json matrix(const Eigen::Isometry3d& transform) {
-  Json rows = Json::array();
+OrderedJson matrix(const Eigen::Isometry3d& transform) {
+  OrderedJson rows = OrderedJson::array();
   for (int i = 0; i < 4; ++i) {
-    Json row = Json::array();
+    OrderedJson row = OrderedJson::array();
     for (int j = 0; j < 4; ++j) row.push_back(transform.matrix()(i, j));
     rows.push_back(std::move(row));
   }
@@ -23,59 +23,59 @@ Json matrix(const Eigen::Isometry3d& transform) {
 }
 
 /// Where an object stands; how it rests only of a model that may rest in several ways.
-Json pose_value(const Pose& pose, const std::optional<int>& rest_pose) {
-  Json json{{"x", pose.x}, {"y", pose.y}, {"yaw", pose.yaw}};
+OrderedJson pose_value(const Pose& pose, const std::optional<int>& rest_pose) {
+  OrderedJson json{{"x", pose.x}, {"y", pose.y}, {"yaw", pose.yaw}};
   if (rest_pose) json["rest_pose"] = *rest_pose;
   return json;
 }
 
-Json to_value(const RunnerUp& r) {
-  Json json = pose_value(r.pose, r.rest_pose);
+OrderedJson to_value(const RunnerUp& r) {
+  OrderedJson json = pose_value(r.pose, r.rest_pose);
   json["cost_increase"] = r.cost_increase;
   return json;
 }
 
-Json to_value(const ObjectResult& o) {
+OrderedJson to_value(const ObjectResult& o) {
   if (o.absent) return {{"model", o.model}, {"absent", true}};
-  Json json{{"model", o.model}};
+  OrderedJson json{{"model", o.model}};
   json.update(pose_value(o.pose, o.rest_pose));
-  json.update(Json{{"world_from_model", matrix(o.world_from_model)},
-                   {"camera_from_model", matrix(o.camera_from_model)},
-                   {"visible_pixels", o.visible_pixels},
-                   {"visible_fraction", o.visible_fraction},
-                   {"explained_fraction", o.explained_fraction},
-                   {"confidence", or_null(o.confidence)},
-                   {"runner_up", o.runner_up ? to_value(*o.runner_up) : Json(nullptr)}});
+  json.update(OrderedJson{{"world_from_model", matrix(o.world_from_model)},
+                          {"camera_from_model", matrix(o.camera_from_model)},
+                          {"visible_pixels", o.visible_pixels},
+                          {"visible_fraction", o.visible_fraction},
+                          {"explained_fraction", o.explained_fraction},
+                          {"confidence", or_null(o.confidence)},
+                          {"runner_up", o.runner_up ? to_value(*o.runner_up) : OrderedJson(nullptr)}});
   return json;
 }
 
-Json to_value(const ResultPose& p) {
-  Json json{{"model", p.model}};
+OrderedJson to_value(const ResultPose& p) {
+  OrderedJson json{{"model", p.model}};
   json.update(pose_value(p.pose, p.rest_pose));
   return json;
 }
 
 /// What the costs of a result without a guarantee are counted with.
-Json counted_with(const Guarantee& g) {
-  Json counted{{"delta", g.delta}, {"missing_depth", g.missing_depth}};
+OrderedJson counted_with(const Guarantee& g) {
+  OrderedJson counted{{"delta", g.delta}, {"missing_depth", g.missing_depth}};
   if (g.clutter) counted["clutter"] = {{"weight", g.clutter->weight}, {"points", g.clutter->points}};
   return counted;
 }
 
-Json to_value(const Guarantee& g) {
-  Json value{{"w", g.w}, {"over", g.over}};
+OrderedJson to_value(const Guarantee& g) {
+  OrderedJson value{{"w", g.w}, {"over", g.over}};
   value.update(counted_with(g));
   value.update(
-      Json{{"collision", {{"penetration", g.collision_penetration}, {"overlap", g.collision_overlap}}},
-           {"resolution_m", g.resolution_m},
-           {"yaw_resolution_rad", g.yaw_resolution_rad},
-           {"candidates", g.candidates},
-           {"refine", g.refine},
-           {"search", g.search}});
+      OrderedJson{{"collision", {{"penetration", g.collision_penetration}, {"overlap", g.collision_overlap}}},
+                  {"resolution_m", g.resolution_m},
+                  {"yaw_resolution_rad", g.yaw_resolution_rad},
+                  {"candidates", g.candidates},
+                  {"refine", g.refine},
+                  {"search", g.search}});
   return value;
 }
 
-Json to_value(const Stats& s) {
+OrderedJson to_value(const Stats& s) {
   return {{"rendered", s.rendered},
           {"generated", s.generated},
           {"expanded", s.expanded},
@@ -93,7 +93,7 @@ Json to_value(const Stats& s) {
             {"polish", s.seconds.polish}}}};
 }
 
-Json to_value(const ReportedSupport& s) {
+OrderedJson to_value(const ReportedSupport& s) {
   return {{"world_from_camera", matrix(s.world_from_camera)},
           {"camera_estimated", s.camera_estimated},
           {"table_height", s.table_height},
@@ -101,7 +101,7 @@ Json to_value(const ReportedSupport& s) {
           {"rms", s.rms}};
 }
 
-Json to_value(const ScoreRecord& r) {
+OrderedJson to_value(const ScoreRecord& r) {
   return {{"cost", r.cost.cost},
           {"cost_observed", r.cost.cost_observed},
           {"cost_rendered", r.cost.cost_rendered},
@@ -112,38 +112,38 @@ Json to_value(const ScoreRecord& r) {
 }
 
 template <typename T>
-Json list(const std::vector<T>& values) {
-  Json out = Json::array();
+OrderedJson list(const std::vector<T>& values) {
+  OrderedJson out = OrderedJson::array();
   for (const T& value : values) out.push_back(to_value(value));
   return out;
 }
 
 /// Indented text. Names come from files and may hold bytes that are not UTF-8, which JSON can't.
-std::string dump(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+std::string dump(const OrderedJson& json) {
+  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
 
 std::string to_json(const Result& result) {
   const auto part = [&](std::int64_t CostRecord::*member) {
-    return result.cost ? Json((*result.cost).*member) : Json(nullptr);
+    return result.cost ? OrderedJson((*result.cost).*member) : OrderedJson(nullptr);
   };
-  Json json{{"version", 1},
-            {"method", result.method},
-            {"status", name(result.status)},
-            {"reason", result.reason},
-            {"cost", part(&CostRecord::cost)},
-            {"cost_observed", part(&CostRecord::cost_observed)},
-            {"cost_rendered", part(&CostRecord::cost_rendered)},
-            {"observed_points", result.observed_points},
-            {"search_cost", or_null(result.search_cost)},
-            {"lower_bound", result.lower_bound},
-            {"suboptimality_bound", or_null(result.suboptimality_bound())},
-            {"guarantee", result.has_bound() ? to_value(result.guarantee) : Json(nullptr)},
-            {"search_objects", list(result.search_objects)},
-            {"objects", list(result.objects)},
-            {"stats", to_value(result.stats)}};
+  OrderedJson json{{"version", 1},
+                   {"method", result.method},
+                   {"status", name(result.status)},
+                   {"reason", result.reason},
+                   {"cost", part(&CostRecord::cost)},
+                   {"cost_observed", part(&CostRecord::cost_observed)},
+                   {"cost_rendered", part(&CostRecord::cost_rendered)},
+                   {"observed_points", result.observed_points},
+                   {"search_cost", or_null(result.search_cost)},
+                   {"lower_bound", result.lower_bound},
+                   {"suboptimality_bound", or_null(result.suboptimality_bound())},
+                   {"guarantee", result.has_bound() ? to_value(result.guarantee) : OrderedJson(nullptr)},
+                   {"search_objects", list(result.search_objects)},
+                   {"objects", list(result.objects)},
+                   {"stats", to_value(result.stats)}};
   if (result.support) json["support_plane"] = to_value(*result.support);
   if (!result.has_bound()) json["counted_with"] = counted_with(result.guarantee);
   return dump(json);
@@ -152,11 +152,11 @@ std::string to_json(const Result& result) {
 std::string to_json_lines(const std::vector<TraceEntry>& trace) {
   std::string lines;
   for (const TraceEntry& entry : trace)
-    lines += Json{{"seconds", entry.seconds},
-                  {"cost", or_null(entry.cost)},
-                  {"search_cost", or_null(entry.search_cost)},
-                  {"lower_bound", entry.lower_bound},
-                  {"expanded", entry.expanded}}
+    lines += OrderedJson{{"seconds", entry.seconds},
+                         {"cost", or_null(entry.cost)},
+                         {"search_cost", or_null(entry.search_cost)},
+                         {"lower_bound", entry.lower_bound},
+                         {"expanded", entry.expanded}}
                  .dump() +
              "\n";
   return lines;

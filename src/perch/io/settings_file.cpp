@@ -16,12 +16,12 @@ namespace {
 
 constexpr std::uintmax_t most_bytes = 1 << 20;
 
-constexpr int deepest = 4;  // groups within groups; an alias that holds itself has no end
+constexpr int deepest_group = 4;  // groups within groups; an alias that holds itself has no end
 
 /// \param seen the fields set so far, however they were spelled.
 void apply(const YAML::Node& node, const std::string& prefix, int depth, const std::string& file,
            std::set<std::string>& seen, Settings& settings) {
-  if (depth > deepest)
+  if (depth > deepest_group)
     throw InputError(fmt::format("{}: {}: is nested too deep; write {}: VALUE", file, prefix, "group.field"));
   for (const auto& entry : node) {
     if (!entry.first.IsScalar())

@@ -14,7 +14,7 @@
 namespace perch {
 namespace {
 
-constexpr std::uintmax_t largest_file = std::uintmax_t{4} << 20;
+constexpr std::uintmax_t largest_yaml_file = std::uintmax_t{4} << 20;
 
 /// The number that the whole text spells, not finite where it spells infinity, NaN or something beyond
 /// double.
@@ -33,7 +33,7 @@ std::optional<double> parse_number(std::string_view text) {
 }  // namespace
 
 YamlEntry YamlEntry::read(const std::filesystem::path& file) {
-  const std::string bytes = read_file(file, largest_file);
+  const std::string bytes = read_file(file, largest_yaml_file);
   auto name = std::make_shared<const std::string>(shown(file));
   const auto fail = [&](const std::string& what) {
     throw InputError(fmt::format("{}: {}; write it as one YAML or JSON document", *name, what));

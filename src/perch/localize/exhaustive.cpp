@@ -9,7 +9,7 @@
 namespace perch {
 namespace {
 
-constexpr double most_scenes = 1e7;
+constexpr double most_arrangements = 1e7;
 
 /// Ways to choose `copies` out of n, repeats allowed, order ignored.
 double multisets(std::size_t n, int copies) {
@@ -93,11 +93,11 @@ Enumeration enumerate_scenes(const LocalizationProblem& problem, const Candidate
     first_kind = std::min(first_kind, kind);
     ways *= multisets(set.of_kind(kind).size(), problem.copies()[kind]);
   }
-  if (ways > most_scenes)
+  if (ways > most_arrangements)
     throw InputError(
         fmt::format("there are {:.3g} ways to place the objects, more than {:.0f} can be enumerated; use "
                     "larger --resolution or --yaw-resolution-deg, a smaller workspace, or a search",
-                    ways, most_scenes));
+                    ways, most_arrangements));
   std::vector<Enumeration> parts(set.of_kind(first_kind).size());
   const bool complete = executor.for_each(
       parts.size(),

@@ -17,7 +17,7 @@ constexpr int bound_iterations = 60;  // of the Lagrangian bound; most of what i
 constexpr int widening_rounds = 10;
 constexpr std::size_t most_widened = 4000;  // candidates that are rendered once more to widen certain costs
 constexpr int more_looks = 3;               // for candidates that fit in beside the others of the best scene
-constexpr std::size_t most_scenes = 8;      // good scenes that are handed on
+constexpr std::size_t most_handed_on = 8;   // good scenes that are handed on
 
 std::int64_t whole(double bound) {
   return std::isfinite(bound) ? static_cast<std::int64_t>(std::ceil(bound)) : 0;
@@ -76,7 +76,7 @@ class SceneSearch {
     if (static_cast<double>(root.lower_bound()) >= enough()) {
       outcome_.lower_bound = root.lower_bound();
       outcome_.reason = StopReason::solved;
-      if (outcome_.scenes.size() > most_scenes) outcome_.scenes.resize(most_scenes);
+      if (outcome_.scenes.size() > most_handed_on) outcome_.scenes.resize(most_handed_on);
       return std::move(outcome_);
     }
     LagrangianBound bound = root.bound();
@@ -237,7 +237,7 @@ class SceneSearch {
     log_.counts(outcome_.generated, outcome_.expanded);
     // The incumbent is among the scenes: it was met first, or reported when it was found.
     sort_scenes();
-    if (outcome_.scenes.size() > most_scenes) outcome_.scenes.resize(most_scenes);
+    if (outcome_.scenes.size() > most_handed_on) outcome_.scenes.resize(most_handed_on);
     if (found.incumbent)
       log_.improved(static_cast<std::int64_t>(found.incumbent->cost), outcome_.lower_bound);
   }

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t most_pieces = 300'000;
 constexpr std::size_t pieces_asked = 4;
 
-using Corners = std::array<Eigen::Vector3f, 3>;
+using Triangle = std::array<Eigen::Vector3f, 3>;
 
 /// Distance from p to a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
 double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
@@ -32,10 +32,10 @@ double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, 
 /// Calls visit(middle) for the pieces of a triangle, which is halved across its longest edge until none is
 /// longer than the spacing. Stops early where visit returns false.
 template <typename Visit>
-bool for_each_piece(const Corners& triangle, float spacing, const Visit& visit) {
-  std::vector<Corners> open{triangle};
+bool for_each_piece(const Triangle& triangle, float spacing, const Visit& visit) {
+  std::vector<Triangle> open{triangle};
   while (!open.empty()) {
-    const Corners t = open.back();
+    const Triangle t = open.back();
     open.pop_back();
     std::size_t longest = 0;
     for (std::size_t k = 1; k < 3; ++k)
