@@ -16,7 +16,7 @@ Eigen::Isometry3d random_transform(Random& random) {
   return transform;
 }
 
-Scene random_scene(std::uint64_t seed) {
+Scene any_scene(std::uint64_t seed) {
   Random random(seed);
   Scene scene;
   scene.name = std::string(random.below(300), 'n');
@@ -88,7 +88,7 @@ void expect_same(const Scene& a, const Scene& b) {
 TEST(PackedScene, ArrivesAsItWasOrIsSeenToBeCutOff) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const Scene scene = random_scene(seed);
+    const Scene scene = any_scene(seed);
     ByteWriter to;
     write_scene(to, scene);
     ByteReader from(to.bytes());
