@@ -105,7 +105,7 @@ void print_table(const Scene& scene, const Result& result) {
 
 namespace {
 
-void print_traffic(const Traffic& before, const Traffic& after) {
+void print_traffic(const Traffic& before, const Traffic& after, std::int64_t made_again) {
   const std::uint64_t messages = after.messages - before.messages, items = after.items - before.items,
                       news = after.news_bytes - before.news_bytes, bytes = after.bytes - before.bytes - news;
   if (items == 0) return;
@@ -114,6 +114,8 @@ void print_traffic(const Traffic& before, const Traffic& after) {
       "to and from the other ranks: {} questions, {:.0f} bytes and {:.3f} messages each; the problem {:.1f} "
       "MB\n",
       items, each(bytes), each(messages), 1e-6 * static_cast<double>(news));
+  if (made_again > 0)
+    fmt::print("{} hypotheses were made again, since another rank keeps what they are alone\n", made_again);
 }
 
 }  // namespace
@@ -179,7 +181,7 @@ int localize_scenes(const LocalizeOptions& options, const Ranks& ranks) {
     if (!options.output.empty()) write_outputs(scene, result, settings, *executor, output_of(i, scene));
     if (!options.quiet) {
       print_table(scene, result);
-      print_traffic(before, executor->traffic());
+      print_traffic(before, executor->traffic(), result.stats.made_again);
     }
     if (result.status == Status::infeasible)
       fmt::print(stderr, "perch: {}: no solution: {}\n", scene.name, result.reason);

@@ -29,10 +29,13 @@ struct StageSeconds {
 struct Effort {
   StageSeconds seconds;
   Work work;
+  /// Hypotheses made once more since another process keeps them; not in `work`.
+  std::int64_t made_again = 0;
 
   Effort& operator+=(const Effort& other) {
     seconds += other.seconds;
     work += other.work;
+    made_again += other.made_again;
     return *this;
   }
 };

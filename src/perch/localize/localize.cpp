@@ -211,6 +211,7 @@ class Localization {
     Effort effort;
     for (const CandidateMaker& maker : makers_) effort += maker.effort();
     result_.stats.work = effort.work;
+    result_.stats.made_again = effort.made_again;
     Seconds& seconds = result_.stats.seconds;
     seconds.render = effort.seconds.render;
     seconds.refine = effort.seconds.refine;

@@ -100,6 +100,7 @@ ChildValuation::InContext ChildValuation::make(std::size_t model, std::int64_t g
   if (known) {
     Effort effort = maker.effort();
     effort.work = before;
+    ++effort.made_again;
     if (made && !made->patch.window.empty()) effort.work.add_rendering(made->window);
     maker.set_effort(effort);
   }
