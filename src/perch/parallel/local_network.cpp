@@ -14,20 +14,20 @@ Clock::duration seconds(double s) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
 }
 
-/// What is on its way to a process.
-struct Mailbox {
-  struct Letter {
-    Clock::time_point arrival;
-    Message message;
-  };
-  std::mutex mutex;
-  std::deque<Letter> letters;  ///< by arrival
-  Clock::time_point free;      ///< when the link has brought all before
-};
-
 }  // namespace
 
 struct LocalNetwork::State {
+  /// What is on its way to a process.
+  struct Mailbox {
+    struct Letter {
+      Clock::time_point arrival;
+      Message message;
+    };
+    std::mutex mutex;
+    std::deque<Letter> letters;  ///< by arrival
+    Clock::time_point free;      ///< when the link has brought all before
+  };
+
   State(std::size_t size, const Link& link_in) : link(link_in), boxes(size) {}
   Link link;
   std::vector<Mailbox> boxes;
@@ -45,13 +45,13 @@ class LocalNetwork::End final : public Transport {
   void send(std::size_t to, Tag tag, std::shared_ptr<const Bytes> bytes) override {
     const Clock::duration taken = seconds(static_cast<double>(bytes->size()) / state_.link.bandwidth);
     free_ = std::max(free_, Clock::now()) + taken;
-    Mailbox& box = state_.boxes[to];
+    State::Mailbox& box = state_.boxes[to];
     const std::lock_guard lock(box.mutex);
     box.free = std::max(box.free + taken, free_);
     box.letters.push_back({box.free + seconds(state_.link.latency), {rank_, tag, std::move(bytes)}});
   }
   std::optional<Message> poll() override {
-    Mailbox& box = state_.boxes[rank_];
+    State::Mailbox& box = state_.boxes[rank_];
     const std::lock_guard lock(box.mutex);
     if (box.letters.empty() || box.letters.front().arrival > Clock::now()) return std::nullopt;
     Message message = std::move(box.letters.front().message);
