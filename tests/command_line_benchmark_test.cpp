@@ -91,7 +91,7 @@ class BenchmarkRanksHeavy : public Benchmark {
   BenchmarkRanksHeavy() { write_scene_folder(folder() / "set/c", small_scene(3), ""); }
 
   static Arguments benchmark_of(const std::string& scenes, const std::string& report) {
-    return coarse({"benchmark", scenes, "--methods", "perch,bfwor", "--threads", "1", "-o", report});
+    return coarse({"benchmark", scenes, "--methods", "perch,bfwor", "--threads", "1", "-q", "-o", report});
   }
 
   Outcome run_ranks(int ranks, const Arguments& arguments) const {

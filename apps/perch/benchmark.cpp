@@ -143,7 +143,7 @@ void add_benchmark(CLI::App& app, Run& run, const Ranks& ranks) {
                    "perch, bfwor, ourcvfh, ppf: one or several, separated by commas [perch]")
       ->delimiter(',');
   command->add_option("-o,--output", options->report, "folder for the report and all results")->required();
-  command->add_flag("-q,--quiet", options->quiet, "no progress bar");
+  command->add_flag("-q,--quiet", options->quiet, "no progress bar, and no lines in its place");
   options->settings.add_to(*command, {{"--w", "search.w"},
                                       {"--delta", "cost.delta"},
                                       {"--resolution", "grid.resolution"},

@@ -16,13 +16,14 @@ BenchmarkProgress::BenchmarkProgress(std::size_t runs, const std::vector<Benchma
     : runs_(runs),
       processes_(processes),
       scenes_(scenes),
-      shown_(!quiet && isatty(STDERR_FILENO) != 0),
+      bar_(!quiet && isatty(STDERR_FILENO) != 0),
+      lines_(!quiet && !bar_ && processes > 1),
       done_(runs - open.size()) {
   for (const BenchmarkRun& run : open) ++left_[run.method];
 }
 
 BenchmarkProgress::~BenchmarkProgress() {
-  if (shown_) fmt::print(stderr, "\r\033[K");
+  if (bar_) fmt::print(stderr, "\r\033[K");
 }
 
 void BenchmarkProgress::started(const BenchmarkRun& run) {
@@ -44,14 +45,22 @@ std::string BenchmarkProgress::label(const BenchmarkRun& run) const {
   return name(run.method) + " on " + one_line(scenes_[run.scene].name);
 }
 
-void BenchmarkProgress::show() const {
-  if (!shown_ || running_.empty()) return;
-  constexpr std::size_t width = 30;
-  const std::size_t full = runs_ == 0 ? width : width * done_ / runs_;
+void BenchmarkProgress::show() {
+  constexpr double line_every = 10.0;  // s
+  if (running_.empty() || !(bar_ || (lines_ && since_line_.seconds() >= line_every))) return;
   const auto seconds = remaining_.of(left_, processes_);
-  fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {} of {}, {}: {}{}", "", full, "", width - full, done_, runs_,
-             seconds ? duration(*seconds) + " left" : std::string("time left unknown"), running_.front(),
-             running_.size() == 1 ? "" : fmt::format(" and {} more", running_.size() - 1));
+  const std::string line =
+      fmt::format("{} of {}, {}: {}{}", done_, runs_,
+                  seconds ? duration(*seconds) + " left" : std::string("time left unknown"), running_.front(),
+                  running_.size() == 1 ? "" : fmt::format(" and {} more", running_.size() - 1));
+  if (bar_) {
+    constexpr std::size_t width = 30;
+    const std::size_t full = runs_ == 0 ? width : width * done_ / runs_;
+    fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {}", "", full, "", width - full, line);
+  } else {
+    fmt::print(stderr, "perch: {}\n", line);
+    since_line_ = Stopwatch();
+  }
 }
 
 }  // namespace perch::app
