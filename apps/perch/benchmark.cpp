@@ -1,23 +1,21 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
+#include <iterator>
 
+#include "benchmark_batch.hpp"
 #include "benchmark_plan.hpp"
+#include "benchmark_progress.hpp"
 #include "command.hpp"
 #include "evaluated_scenes.hpp"
 #include "evaluation.hpp"
-#include "output.hpp"
-#include "perch/core/stopwatch.hpp"
 #include "perch/eval/comparison.hpp"
 #include "perch/eval/report.hpp"
 #include "perch/io/atomic_write.hpp"
 #include "perch/io/read_file.hpp"
 #include "ranks.hpp"
 #include "run_method.hpp"
-#include "scene_input.hpp"
 
 namespace perch::app {
 namespace {
@@ -29,27 +27,6 @@ struct BenchmarkOptions {
   std::string report;
   bool quiet = false;
   SettingsOptions settings;
-};
-
-/// `12 of 88` as a bar, what is being run and how long the rest may take; silent where stderr is no terminal.
-class ProgressBar {
- public:
-  ProgressBar(std::size_t runs, bool quiet) : runs_(runs), shown_(!quiet && isatty(STDERR_FILENO) != 0) {}
-  ~ProgressBar() {
-    if (shown_) fmt::print(stderr, "\r\033[K");
-  }
-
-  void show(std::size_t done, const std::string& running, const std::optional<double>& seconds_left) const {
-    if (!shown_) return;
-    constexpr std::size_t width = 30;
-    const std::size_t full = runs_ == 0 ? width : width * done / runs_;
-    fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {} of {}, {}: {}", "", full, "", width - full, done, runs_,
-               seconds_left ? duration(*seconds_left) + " left" : std::string("time left unknown"), running);
-  }
-
- private:
-  std::size_t runs_;
-  bool shown_;
 };
 
 std::vector<LocalizationMethod> methods_of(const BenchmarkOptions& options) {
@@ -71,37 +48,14 @@ void check_scenes(const std::vector<EvaluatedScene>& scenes, const Settings& set
   for (const EvaluatedScene& scene : scenes) read_scene_with_truth(scene.file, settings, executor);
 }
 
-void run_one(const BenchmarkRun& run, const EvaluatedScene& evaluated, Settings settings,
-             const Executor& executor) {
-  settings.localization = run.method;
-  const Scene scene = read_prepared_scene(evaluated.file, settings, executor);
-  const Result result = blaming(evaluated.file.string(), [&] {
-    learn_models(scene, settings, executor);
-    return run_method(scene, settings, executor, StopCondition::after(settings.time_limit), {});
-  });
-  write_outputs(scene, result, settings, executor, run.folder);
-}
-
 void run_all(const std::vector<BenchmarkRun>& runs, const std::vector<EvaluatedScene>& scenes,
              const Settings& settings, const Executor& executor, bool quiet) {
   std::vector<BenchmarkRun> open;
-  std::map<LocalizationMethod, std::size_t> left;
-  for (const BenchmarkRun& run : runs)
-    if (!is_done(run, scenes[run.scene])) {
-      open.push_back(run);
-      ++left[run.method];
-    }
-  const ProgressBar bar(runs.size(), quiet);
-  RemainingTime remaining;
-  std::size_t done = runs.size() - open.size();
-  for (const BenchmarkRun& run : open) {
-    bar.show(done, name(run.method) + " on " + one_line(scenes[run.scene].name), remaining.of(left));
-    const Stopwatch watch;
-    run_one(run, scenes[run.scene], settings, executor);
-    remaining.took(run.method, watch.seconds());
-    --left[run.method];
-    ++done;
-  }
+  std::copy_if(runs.begin(), runs.end(), std::back_inserter(open),
+               [&](const BenchmarkRun& run) { return !is_done(run, scenes[run.scene]); });
+  BenchmarkProgress progress(runs.size(), open, scenes, executor.processes(), quiet);
+  BenchmarkBatch batch(open, scenes, settings, executor.own(), progress);
+  executor.spread(batch, StopCondition());
 }
 
 /// The pictures of the scenes that each method solved best and worst, as files of the report.
@@ -189,7 +143,7 @@ void add_benchmark(CLI::App& app, Run& run, const Ranks& ranks) {
                    "perch, bfwor, ourcvfh, ppf: one or several, separated by commas [perch]")
       ->delimiter(',');
   command->add_option("-o,--output", options->report, "folder for the report and all results")->required();
-  command->add_flag("-q,--quiet", options->quiet, "no progress bar");
+  command->add_flag("-q,--quiet", options->quiet, "no progress bar, and no lines in its place");
   options->settings.add_to(*command, {{"--w", "search.w"},
                                       {"--delta", "cost.delta"},
                                       {"--resolution", "grid.resolution"},

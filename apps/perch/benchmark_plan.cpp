@@ -81,7 +81,8 @@ void RemainingTime::took(LocalizationMethod method, double seconds) {
   ++sums_[method].runs;
 }
 
-std::optional<double> RemainingTime::of(const std::map<LocalizationMethod, std::size_t>& left) const {
+std::optional<double> RemainingTime::of(const std::map<LocalizationMethod, std::size_t>& left,
+                                        std::size_t at_a_time) const {
   Sum all;
   for (const auto& [method, sum] : sums_) {
     all.seconds += sum.seconds;
@@ -89,12 +90,14 @@ std::optional<double> RemainingTime::of(const std::map<LocalizationMethod, std::
   }
   if (all.runs == 0) return std::nullopt;
   double seconds = 0.0;
+  std::size_t runs_left = 0;
   for (const auto& [method, runs] : left) {
     const auto known = sums_.find(method);
     const Sum& sum = known == sums_.end() ? all : known->second;
     seconds += static_cast<double>(runs) * sum.seconds / static_cast<double>(sum.runs);
+    runs_left += runs;
   }
-  return seconds;
+  return seconds / static_cast<double>(std::max<std::size_t>(1, std::min(at_a_time, runs_left)));
 }
 
 std::string duration(double seconds) {

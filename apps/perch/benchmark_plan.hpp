@@ -41,8 +41,10 @@ class RemainingTime {
  public:
   void took(LocalizationMethod method, double seconds);
   /// Seconds for so many runs of each method; empty as long as nothing has been run. A method that has not
-  /// been run yet counts as the mean of the others.
-  std::optional<double> of(const std::map<LocalizationMethod, std::size_t>& left) const;
+  /// been run yet counts as the mean of the others. \param at_a_time how many runs are made beside each
+  /// other, > 0.
+  std::optional<double> of(const std::map<LocalizationMethod, std::size_t>& left,
+                           std::size_t at_a_time) const;
 
  private:
   struct Sum {

@@ -10,6 +10,7 @@
 
 #include "perch/core/error.hpp"
 #ifdef PERCH_HAS_MPI
+#include "benchmark_batch.hpp"
 #include "perch/localize/services.hpp"
 #include "perch/mpi/mpi_transport.hpp"
 #include "perch/parallel/serve.hpp"
@@ -93,9 +94,10 @@ bool Ranks::serves() const {
 }
 
 void Ranks::serve() {
+  Services services = localization_services();
+  services.emplace(BenchmarkBatch::service, make_benchmark_service());
   perch::serve(
-      job_->transport, localization_services(),
-      [&](std::size_t threads) { return job_->own_executor(threads); }, program());
+      job_->transport, services, [&](std::size_t threads) { return job_->own_executor(threads); }, program());
 }
 
 std::unique_ptr<Executor> Ranks::executor(std::size_t threads) const {

@@ -91,5 +91,17 @@ TEST(StopCondition, StopsAtItsTimeOrWhenCancelled) {
   EXPECT_FALSE(StopCondition::after(1000)());
 }
 
+TEST(StopCondition, StopsWithinAnother) {
+  StopCondition whole;
+  const StopCondition part = StopCondition::within(whole, 1000);
+  EXPECT_FALSE(part());
+  EXPECT_TRUE(StopCondition::within(whole, -1).out_of_time());
+  EXPECT_FALSE(StopCondition::within(whole, -1).cancelled());
+  whole.cancel();
+  EXPECT_TRUE(part.cancelled());
+  const StopCondition over = StopCondition::after(-1);
+  EXPECT_TRUE(StopCondition::within(over, 1000).out_of_time());
+}
+
 }  // namespace
 }  // namespace perch

@@ -35,6 +35,13 @@ class StopCondition {
     }
     return condition;
   }
+  /// Strikes when `whole` does, which it refers to, and after so many seconds.
+  static StopCondition within(const StopCondition& whole, double seconds) {
+    StopCondition condition = after(seconds);
+    condition.whole_ = &whole;
+    if (whole.deadline_) condition.deadline_ = std::min(*condition.deadline_, *whole.deadline_);
+    return condition;
+  }
   StopCondition(const StopCondition&) = delete;
   StopCondition& operator=(const StopCondition&) = delete;
   StopCondition(StopCondition&& other) noexcept

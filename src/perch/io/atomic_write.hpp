@@ -14,6 +14,8 @@ class OutputSet {
  public:
   /// \param name a plain file name, without folders.
   void add(std::string name, std::string bytes);
+  /// Names and bytes, in the order in which they were added and commit() makes them appear.
+  const std::vector<std::pair<std::string, std::string>>& files() const { return files_; }
 
   /// Makes the directory where it is missing and writes the files, over files of the same names. Throws
   /// InputError that names the path and the reason; then no file and no directory made here is left, and

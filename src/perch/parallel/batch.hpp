@@ -25,10 +25,14 @@ class Batch {
   /// What all questions have in common, sent to each process that takes part, once. Called once at most.
   virtual void write_common(ByteWriter&) const {}
   virtual void write_question(std::size_t item, ByteWriter& question) const = 0;
-  /// Called on the thread that spreads the batch, beside work() on other items.
+  /// Called on the thread that spreads the batch, beside work() on other items. What it throws ends the batch
+  /// as what work() throws does.
   virtual void read_answer(std::size_t item, ByteReader& answer) = 0;
   /// What a process says of a portion as a whole, e.g. what it counted.
   virtual void read_report(ByteReader&) {}
+
+  /// Called beside work() where what is left is not wanted any more: work() may throw Interrupted then.
+  virtual void give_up() {}
 
   /// Where in [0, 1) an item is at home: items at the same place of batches with the same topic go to the
   /// same process where that costs no time, so that it can use again what it keeps of them.

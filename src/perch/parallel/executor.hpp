@@ -36,6 +36,8 @@ class Executor {
 
   /// As for_each over the batch's items, which other processes may share in.
   virtual bool spread(Batch& batch, const StopCondition& stop) const;
+  /// The threads of this process alone: for the work on an item of a batch that is spread.
+  virtual const Executor& own() const { return *this; }
   /// How many processes share in batches, this one included.
   virtual std::size_t processes() const { return 1; }
   /// Lets the services of this topic in all other processes hear something, before any batch that is spread

@@ -87,6 +87,9 @@ TeamExecutor::~TeamExecutor() = default;
 std::size_t TeamExecutor::workers() const {
   return team_->own->workers();
 }
+const Executor& TeamExecutor::own() const {
+  return *team_->own;
+}
 std::size_t TeamExecutor::processes() const {
   return team_->transport.size();
 }
@@ -130,10 +133,18 @@ class Spreading {
         pace_.took(0, items.size(), watch.seconds());
         done_ += items.size();
       }
-    } catch (...) {
-      error_ = std::current_exception();
+    } catch (const Interrupted&) {
       halt_.cancel();
+    } catch (...) {
+      fail();
     }
+  }
+
+  /// Halts for the exception that is being handled.
+  void fail() {
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = std::current_exception();
+    halt_.cancel();
   }
 
   std::vector<std::size_t> take(std::size_t process) {
@@ -179,6 +190,7 @@ class Spreading {
   }
 
   void halt() { halt_.cancel(); }
+  void give_up() { batch_.give_up(); }
   bool halted() const { return halt_.cancelled(); }
   bool complete() const { return done_ == batch_.size(); }
   void rethrow() const {
@@ -197,7 +209,7 @@ class Spreading {
   Batch& batch_;
   Pace& pace_;
   const Executor& own_;
-  std::mutex mutex_;  ///< of hand_out_, pace_ and done_
+  std::mutex mutex_;  ///< of hand_out_, pace_, done_ and error_
   HandOut hand_out_;
   StopCondition halt_;
   std::size_t done_ = 0;
@@ -238,7 +250,7 @@ bool TeamExecutor::spread(Batch& batch, const StopCondition& stop) const {
     }
   };
   const auto halt = [&] {
-    spreading.halt();
+    spreading.give_up();
     ByteWriter to;
     to.count(number);
     const auto bytes = std::make_shared<const Bytes>(to.take());
@@ -247,7 +259,18 @@ bool TeamExecutor::spread(Batch& batch, const StopCondition& stop) const {
       if (!std::exchange(told[of.process], 1)) team.send(of.process, Tag::stop, bytes);
   };
 
-  for (std::size_t p = 1; p < processes(); ++p) hand_out_to(p);
+  // What goes wrong while others work must not leave them unheard.
+  const auto guarded = [&](const auto& work) {
+    try {
+      work();
+    } catch (...) {
+      spreading.fail();
+    }
+  };
+
+  guarded([&] {
+    for (std::size_t p = 1; p < processes(); ++p) hand_out_to(p);
+  });
   std::atomic<bool> here_done{false};
   std::thread worker([&] {
     spreading.work_here();
@@ -273,13 +296,14 @@ bool TeamExecutor::spread(Batch& batch, const StopCondition& stop) const {
     } else {
       const AnswersHead head = AnswersHead::read(from);
       portion = head.number;
-      if (head.complete && !failure) spreading.take_in(from, head.seconds, outstanding.at(portion));
+      if (head.complete && !failure)
+        guarded([&] { spreading.take_in(from, head.seconds, outstanding.at(portion)); });
     }
     if (const auto found = outstanding.find(portion); found != outstanding.end()) {
       const std::size_t process = found->second.process;
       --ahead[process];
       outstanding.erase(found);
-      hand_out_to(process);
+      guarded([&] { hand_out_to(process); });
     }
   }
   worker.join();

@@ -24,6 +24,7 @@ class TeamExecutor final : public Executor {
   bool for_each(std::size_t n, const Body& body, const StopCondition& stop) const override;
   /// Throws what went wrong in another process, as an InputError that names it or a std::runtime_error.
   bool spread(Batch& batch, const StopCondition& stop) const override;
+  const Executor& own() const override;
   std::size_t processes() const override;
   void tell(const std::string& topic, Bytes what) const override;
   Traffic traffic() const override;

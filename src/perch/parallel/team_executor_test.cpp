@@ -52,6 +52,8 @@ class SumBatch final : public Batch {
   void work(std::size_t item, std::size_t) override {
     std::this_thread::sleep_for(nap);
     if (item == throws_at) throw std::runtime_error("here");
+    while (waits && !given_up) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (waits) throw Interrupted();
     results[item] = factor_ * item + offset_;
   }
   void write_common(ByteWriter& to) const override {
@@ -61,16 +63,19 @@ class SumBatch final : public Batch {
   void write_question(std::size_t item, ByteWriter& to) const override { to.count(item); }
   void read_answer(std::size_t item, ByteReader& from) override {
     results[item] = from.count();
+    if (refuses) throw InputError("the answer is refused");
     ++elsewhere;
   }
   void read_report(ByteReader& from) override { portions += from.count(); }
   bool fills_process() const override { return fills; }
+  void give_up() override { given_up = true; }
 
   std::vector<std::uint64_t> results;
   std::size_t elsewhere = 0, throws_at = std::numeric_limits<std::size_t>::max();
   std::uint64_t portions = 0;
   std::chrono::microseconds nap{0};
-  bool fills = false;
+  bool fills = false, waits = false, refuses = false;
+  std::atomic<bool> given_up{false};
 
  private:
   std::uint64_t offset_, factor_;
@@ -185,6 +190,31 @@ TEST(TeamExecutor, PassesOnWhatGoesWrongHereAndElsewhere) {
   EXPECT_THROW(team.executor().spread(told, StopCondition()), InputError);
   SumBatch after(10, 0, 3);
   EXPECT_TRUE(team.executor().spread(after, StopCondition()));
+}
+
+TEST(TeamExecutor, PassesOnThatAnAnswerCanNotBeTakenIn) {
+  Team team(3);
+  SumBatch batch(100, 0, 1);
+  batch.nap = std::chrono::microseconds(10000);  // the others get nearly all
+  batch.refuses = true;
+  EXPECT_THROW(team.executor().spread(batch, StopCondition()), InputError);
+  SumBatch after(50, 0, 3);
+  ASSERT_TRUE(team.executor().spread(after, StopCondition()));
+  for (std::size_t i = 0; i < after.size(); ++i) EXPECT_EQ(after.results[i], 3 * i);
+}
+
+TEST(TeamExecutor, GivesUpHereWhatWentWrongElsewhere) {
+  Team team(2);
+  team.service(1).throws_at = 13;
+  SumBatch batch(26, 0, 1);
+  batch.fills = true;
+  batch.waits = true;  // here, until it is given up
+  EXPECT_THROW(team.executor().spread(batch, StopCondition()), InputError);
+  team.service(1).throws_at = 1000;
+  team.service(1).nap = std::chrono::microseconds(10000);
+  SumBatch stopped(1000, 0, 1);
+  stopped.waits = true;
+  EXPECT_FALSE(team.executor().spread(stopped, StopCondition::after(0.05)));
 }
 
 TEST(TeamExecutor, RefusesOtherPrograms) {
