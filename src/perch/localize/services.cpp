@@ -4,6 +4,7 @@
 #include "perch/localize/packed_scene.hpp"
 #include "perch/localize/setup.hpp"
 #include "perch/tree/children_batch.hpp"
+#include "perch/tree/nodes_batch.hpp"
 
 namespace perch {
 namespace {
@@ -35,7 +36,8 @@ Services localization_services() {
   return {{problem_topic, std::make_shared<ProblemService>(served)},
           {RefineBatch::name, make_refine_service(served)},
           {ValueBatch::name, make_value_service(served)},
-          {ChildrenBatch::name, make_children_service(served)}};
+          {ChildrenBatch::name, make_children_service(served)},
+          {NodesBatch::name, make_nodes_service(served)}};
 }
 
 void tell_problem(const Scene& scene, const Settings& settings, const Executor& executor) {

@@ -6,8 +6,8 @@
 
 #include "perch/candidates/candidate_set.hpp"
 #include "perch/candidates/lagrangian_bound.hpp"
-#include "perch/candidates/partial_bound.hpp"
 #include "perch/search/branch_and_bound.hpp"
+#include "perch/tree/shared_node_work.hpp"
 
 namespace perch {
 
@@ -36,9 +36,11 @@ class SceneBranching {
   };
 
   /// Over the candidates that the bound has left; these get their renderings back, as memory and the stop
-  /// condition allow. Keeps references, to all but the stop condition.
+  /// condition allow. Keeps references, to all but the bound and the stop condition. \param share_after see
+  /// SharedNodeWork.
   SceneBranching(const LocalizationProblem& problem, CandidateSet& set, std::vector<CandidateMaker>& makers,
-                 const Executor& executor, const LagrangianBound& bound, const StopCondition& stop);
+                 const Executor& executor, const LagrangianBound& bound, const StopCondition& stop,
+                 double share_after = SharedNodeWork::default_share_after);
 
   Node root() const { return {root_, 0, true, bound_}; }
   double bound(const Node& node) const { return static_cast<double>(node.bound); }
@@ -48,8 +50,6 @@ class SceneBranching {
  private:
   using Answer = Branching<Node, Solution>;
 
-  void keep_patches(const std::vector<char>& kept, CandidateSet& set, const StopCondition& stop) const;
-
   /// How much bounds rose when an object was placed.
   struct Gain {
     double sum = 0.0;
@@ -57,29 +57,17 @@ class SceneBranching {
     double mean() const { return times == 0 ? 0.0 : sum / times; }
   };
 
-  void learn(const Node& node, std::int64_t bound);
+  Answer branch_root(std::int64_t upper_bound, const StopCondition& stop);
   void look_ahead(std::int64_t upper_bound, const StopCondition& stop);
+  void learn(const Node& node, std::int64_t bound);
   std::size_t slot_to_branch(const std::vector<OpenSlot>& slots) const;
-  /// Returns the bound found for the node.
-  std::int64_t work(const Node& node, std::int64_t upper_bound, CandidateMaker& maker,
-                    const StopCondition& stop, Answer& answer) const;
-  void branch_family(const std::shared_ptr<const Family>& family, std::int64_t lower_bound,
-                     std::int64_t upper_bound, Answer& answer) const;
-  std::vector<OpenSlot> slots_beside(const Node& node, std::int64_t upper_bound) const;
-  void complete(const Composite& composite, const Family& family, const std::vector<OpenSlot>& last,
-                std::int64_t upper_bound, CandidateMaker& maker, const StopCondition& stop,
-                Answer& answer) const;
-  void try_scene(Composite composite, std::vector<CandidateId> placed, const std::vector<CandidateId>& more,
-                 std::int64_t upper_bound, CandidateMaker& maker, Answer& answer) const;
+  std::vector<Node> children(const std::shared_ptr<const Family>& family, std::int64_t lower_bound,
+                             std::int64_t upper_bound) const;
 
-  const LocalizationProblem& problem_;
-  const CandidateSet& set_;
-  std::vector<CandidateMaker>& makers_;
-  const Executor& executor_;
-  std::vector<Lagrangian::Weight> point_weights_;
   std::shared_ptr<Family> root_;
   std::vector<Gain> gains_;  ///< by the slots of the root
   std::int64_t bound_ = 0;
+  SharedNodeWork work_;
 };
 
 }  // namespace perch
