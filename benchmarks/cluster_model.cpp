@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <numeric>
+#include <algorithm>
+#include <map>
 
 #include "perch/core/error.hpp"
 #include "perch/io/scene_file.hpp"
@@ -38,28 +39,47 @@ RecordedRun record(const std::string& file, const Settings& settings) {
   return recording.run();
 }
 
-void describe(const RecordedRun& run) {
-  double alone = run.after, work = 0.0, read = 0.0, write = 0.0, bytes = 0.0;
-  std::size_t items = 0;
-  std::uint64_t news = 0;
-  for (const RecordedBatch& batch : run.batches) {
-    alone += batch.before_news + batch.before;
-    news += batch.news_bytes;
+/// Sums over the batches of a topic, or of all.
+struct Sums {
+  double work = 0.0, write = 0.0, read = 0.0;
+  std::uint64_t questions = 0, answers = 0;  // bytes
+  std::size_t batches = 0, items = 0;
+
+  void add(const RecordedBatch& batch) {
+    ++batches;
     items += batch.items.size();
     for (const RecordedBatch::Item& item : batch.items) {
       work += item.answer;
-      read += item.read;
       write += item.write;
-      bytes += item.question_bytes + item.answer_bytes;
+      read += item.read;
+      questions += item.question_bytes;
+      answers += item.answer_bytes;
     }
   }
-  const double n = static_cast<double>(items);
+  double each(double sum) const { return sum / static_cast<double>(std::max<std::size_t>(1, items)); }
+};
+
+void describe(const RecordedRun& run) {
+  double alone = run.after;
+  std::uint64_t news = 0;
+  std::map<std::string, Sums> topics;
+  for (const RecordedBatch& batch : run.batches) {
+    alone += batch.before_news + batch.before;
+    news += batch.news_bytes;
+    topics[batch.topic].add(batch);
+  }
+  fmt::print("recorded: rank 0 alone {:.3f} s; told to all {:.1f} MB\n\n", alone,
+             1e-6 * static_cast<double>(news));
   fmt::print(
-      "recorded: {} batches with {} items of {:.0f} us; rank 0 alone {:.3f} s; of an item rank 0 writes "
-      "{:.2f} us, "
-      "takes in {:.2f} us; {:.0f} bytes; the problem {:.1f} MB\n\n",
-      run.batches.size(), items, 1e6 * work / n, alone, 1e6 * write / n, 1e6 * read / n, bytes / n,
-      1e-6 * static_cast<double>(news));
+      "| batches | items | work on one, us | rank 0 writes, us | takes in, us | question, bytes | answer, "
+      "bytes |\n"
+      "|---|---:|---:|---:|---:|---:|---:|\n");
+  for (const auto& [topic, sums] : topics)
+    fmt::print("| {} of {} | {} | {:.0f} | {:.2f} | {:.2f} | {:.0f} | {:.0f} |\n", sums.batches, topic,
+               sums.items, 1e6 * sums.each(sums.work), 1e6 * sums.each(sums.write),
+               1e6 * sums.each(sums.read), sums.each(static_cast<double>(sums.questions)),
+               sums.each(static_cast<double>(sums.answers)));
+  fmt::print("\n");
 }
 
 void print_table(const RecordedRun& run) {

@@ -105,9 +105,9 @@ struct Stats {
   std::int64_t expanded = 0;
   int threads = 1;
   int ranks = 1;
-  std::int64_t made_again = 0;  ///< of the hypotheses in context, since another rank keeps them; not written
   Seconds seconds;
   Work work;  ///< up to the report, whose own renderings are left out
+  std::int64_t made_again = 0;  ///< of the hypotheses in context, since another rank keeps them; not written
 };
 
 /// How good the answer was at some time: written when the scene or its bound got better.
