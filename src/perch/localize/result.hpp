@@ -106,7 +106,7 @@ struct Stats {
   int threads = 1;
   int ranks = 1;
   Seconds seconds;
-  Work work;  ///< up to the report, whose own renderings are left out
+  Work work;                    ///< up to the report, whose own renderings are left out
   std::int64_t made_again = 0;  ///< of the hypotheses in context, since another rank keeps them; not written
 };
 
