@@ -29,10 +29,12 @@ std::size_t number_in(const char* variable) {
   return text == nullptr ? 0 : std::strtoul(text, nullptr, 10);
 }
 
-/// How many processes were started, as far as the environment tells.
+/// How many processes were started, as far as the environment tells. mpirun's own word comes first: under
+/// Slurm it starts its helpers by srun.
 std::size_t started_together() {
-  return std::max(
-      {number_in("OMPI_COMM_WORLD_SIZE"), number_in("PMI_SIZE"), number_in("SLURM_STEP_NUM_TASKS")});
+  for (const char* variable : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"})
+    if (is_set(variable)) return std::max<std::size_t>(1, number_in(variable));
+  return 1;
 }
 
 /// Open MPI finds the others by what its own mpirun sets, or a resource manager with PMIx or PMI.
@@ -75,14 +77,13 @@ struct Ranks::Job {
 };
 
 Ranks::Ranks(int& argc, char**& argv) {
-  if (can_meet()) {
-    job_ = std::make_unique<Job>(argc, argv);
-  } else if (started_together() > 1) {
+  if (can_meet()) job_ = std::make_unique<Job>(argc, argv);
+  // An MPI that doesn't know the resource manager starts as if it were alone.
+  if ((!job_ || job_->transport.size() == 1) && started_together() > 1)
     throw InputError(fmt::format(
         "was started {} times, but the processes can't find each other; start it by mpirun, or by srun "
         "--mpi=pmix",
         started_together()));
-  }
 }
 
 Ranks::~Ranks() {
