@@ -21,6 +21,8 @@ class Baselines : public CommandLine {
   }
 };
 
+class BaselinesHeavy : public Baselines {};
+
 TEST_F(Baselines, WriteTheSameFilesWithoutABound) {
   const Outcome outcome = bfwor();
   EXPECT_EQ(outcome.status, 0) << outcome;
@@ -48,7 +50,7 @@ TEST_F(Baselines, WriteTheSameFilesWithoutABound) {
   EXPECT_THAT(files, UnorderedElementsAre("result.json", "trace.jsonl", "rendered_depth.png", "picture.png"));
 }
 
-TEST_F(Baselines, AreTheSameFromSettingsFiles) {
+TEST_F(BaselinesHeavy, AreTheSameFromSettingsFiles) {
   ASSERT_EQ(bfwor().status, 0);
   const Json flagged = json("out/result.json");
   write(folder() / "settings.yaml", "method: bfwor\ngrid: {resolution: 0.08, yaw_resolution_deg: 45}\n");
@@ -93,7 +95,7 @@ TEST_F(Baselines, SayHowToBuildWhatIsNotBuilt) {
 }
 
 #ifdef PERCH_HAS_VERIFY
-TEST_F(Baselines, AreVerifiedWithoutABound) {
+TEST_F(BaselinesHeavy, AreVerifiedWithoutABound) {
   ASSERT_EQ(bfwor({"--delta", "0.007"}).status, 0);
   const Json result = json("out/result.json");
   const auto verify = [&](const Json& changed) {

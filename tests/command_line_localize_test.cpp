@@ -56,7 +56,7 @@ TEST_F(Localize, WritesAWholeAnswer) {
   EXPECT_THAT(outcome.out, HasSubstr("scene: solved"));
 }
 
-TEST_F(Localize, MakesMissingFoldersAndOverwritesItsOwnFiles) {
+TEST_F(LocalizeHeavy, MakesMissingFoldersAndOverwritesItsOwnFiles) {
   EXPECT_EQ(run(coarse({"localize", "scene.yaml", "-o", "a/b/"})).status, 0);
   write(folder() / "a/b/result.json", "old");
   write(folder() / "a/b/note.txt", "kept");
@@ -79,7 +79,7 @@ TEST_F(Localize, QuietPrintsNothing) {
   check_output("out", outcome);
 }
 
-TEST_F(Localize, OptimalIsProvenOrNotSaid) {
+TEST_F(LocalizeHeavy, OptimalIsProvenOrNotSaid) {
   check_output("out", run(coarse({"localize", "scene.yaml", "--w", "1", "-o", "out"})));
   EXPECT_EQ(json("out/result.json").at("guarantee").at("w"), 1.0);
   const Outcome stopped =
@@ -144,7 +144,7 @@ TEST_F(LocalizeHeavy, AnswersAreEqualAtAnyNumberOfThreads) {
   }
 }
 
-TEST_F(Localize, JsonSceneIsYaml) {
+TEST_F(LocalizeHeavy, JsonSceneIsYaml) {
   const Scene& s = scene.scene;
   const Intrinsics& k = s.camera.intrinsics;
   Json text{{"version", 1}};
@@ -167,7 +167,7 @@ TEST_F(Localize, JsonSceneIsYaml) {
   EXPECT_EQ(json("from_json/result.json").at("objects"), json("from_yaml/result.json").at("objects"));
 }
 
-TEST_F(Localize, ACloudGivesTheResultOfItsDepthImage) {
+TEST_F(LocalizeHeavy, ACloudGivesTheResultOfItsDepthImage) {
   const Intrinsics& k = scene.scene.camera.intrinsics;
   const DepthImage depth = read_scene(folder() / "scene.yaml").depth;
   std::string cloud = fmt::format(
@@ -194,7 +194,7 @@ TEST_F(Localize, ACloudGivesTheResultOfItsDepthImage) {
             bytes_of(folder() / "of_depth/rendered_depth.png"));
 }
 
-TEST_F(Localize, SymmetriesMayBeLeftToBeFound) {
+TEST_F(LocalizeHeavy, SymmetriesMayBeLeftToBeFound) {
   const std::string given = bytes_of(folder() / "scene.yaml");
   const std::string asked =
       std::regex_replace(given, std::regex("symmetry: (none|continuous|[0-9]+)"), "symmetry: auto");
@@ -232,7 +232,7 @@ TEST_F(Localize, AtTheTimeLimitWritesWhatItHas) {
 }
 
 // A setting is taken from the file, over it from the flag, over that from --set.
-TEST_F(Localize, SettingsFileThenFlagsThenSet) {
+TEST_F(LocalizeHeavy, SettingsFileThenFlagsThenSet) {
   write(folder() / "settings.yaml",
         "search: {w: 2}\ngrid.resolution: 0.09\ngrid: {yaw_resolution_deg: 60}\n");
   const auto guarantee = [&](Arguments more) {

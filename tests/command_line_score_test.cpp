@@ -29,6 +29,8 @@ class Score : public CommandLine {
   }
 };
 
+class ScoreHeavy : public Score {};
+
 TEST_F(Score, RecordsInOrder) {
   Json swapped = truth();
   std::swap(swapped[0], swapped[1]);
@@ -59,7 +61,7 @@ TEST_F(Score, NothingAskedGivesAnEmptyArray) {
   EXPECT_EQ(scores(Json::array()), Json::array());
 }
 
-TEST_F(Score, AgreesWithTheResultAboutItsOwnPoses) {
+TEST_F(ScoreHeavy, AgreesWithTheResultAboutItsOwnPoses) {
   for (const std::string mode : {"fixed", "context"}) {
     EXPECT_THAT(run(coarse({"localize", "scene.yaml", "--candidates", mode, "-o", "out"})).status,
                 AnyOf(Eq(0), Eq(3)));
@@ -88,7 +90,7 @@ TEST_F(Score, FileIsWhatIsPrinted) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder() / "scores"), fs::directory_iterator()), 1);
 }
 
-TEST_F(Score, DeltaAndThreadsCount) {
+TEST_F(ScoreHeavy, DeltaAndThreadsCount) {
   write(folder() / "poses.json", Json::array({truth()}).dump());
   const auto cost = [&](const Arguments& more) {
     Arguments arguments{"score", "scene.yaml", "--poses", "poses.json"};

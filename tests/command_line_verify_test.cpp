@@ -24,6 +24,8 @@ class VerifyCommand : public CommandLine {
   Json result;
 };
 
+class VerifyCommandHeavy : public VerifyCommand {};
+
 TEST_F(VerifyCommand, TheProgramsResultHolds) {
   const Outcome outcome = run({"verify", "scene.yaml", "out/result.json"});
   EXPECT_EQ(outcome.status, 0) << outcome;
@@ -54,7 +56,7 @@ TEST_F(VerifyCommand, QuietSaysItByTheStatus) {
 }
 
 // What the result was counted with is in it; flags go before that.
-TEST_F(VerifyCommand, SettingsComeFromTheResultOrTheFlags) {
+TEST_F(VerifyCommandHeavy, SettingsComeFromTheResultOrTheFlags) {
   Outcome other = run(coarse({"localize", "scene.yaml", "-q", "-o", "fine", "--delta", "0.002"}));
   EXPECT_THAT(other.err, "");
   EXPECT_EQ(run({"verify", "scene.yaml", "fine/result.json"}).status, 0);
@@ -64,7 +66,7 @@ TEST_F(VerifyCommand, SettingsComeFromTheResultOrTheFlags) {
   EXPECT_EQ(run({"verify", "scene.yaml", "fine/result.json", "--settings", "settings.yaml"}).status, 1);
 }
 
-TEST_F(VerifyCommand, InfeasibleResultsHold) {
+TEST_F(VerifyCommandHeavy, InfeasibleResultsHold) {
   write(folder() / "far.yaml", with_line(yaml, "workspace:", "workspace: {x: [3, 3.1], y: [-4, -3.9]}"));
   EXPECT_EQ(run(coarse({"localize", "far.yaml", "-q", "-o", "far"})).status, 1);
   const Outcome outcome = run({"verify", "far.yaml", "far/result.json"});

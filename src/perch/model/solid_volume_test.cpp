@@ -177,7 +177,7 @@ std::vector<Shape> solids() {
   return shapes;
 }
 
-TEST(SolidVolume, BoundsTheDepthOfPoints) {
+TEST(SolidVolumeHeavy, BoundsTheDepthOfPoints) {
   for (const auto& [name, mesh] : solids()) {
     const SolidVolume volume(mesh, margin);
     ASSERT_TRUE(volume.is_solid()) << name;
